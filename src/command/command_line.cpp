@@ -86,10 +86,8 @@ void require_options(const std::vector<std::string>& petsc_options) {
 
 }  // namespace
 
-std::string CommandLine::Arguments::page() const {
-  if (!writes_page && !output.empty()) throw InputError({}, "--output is the file of --html, which is missing");
-  if (!writes_page || !output.empty()) return output;
-  return std::filesystem::path(file).stem().string() + ".html";
+std::string CommandLine::Arguments::page_of_check() const {
+  return page == page_by_input ? std::filesystem::path(file).stem().string() + ".html" : page;
 }
 
 std::vector<Override> CommandLine::Arguments::overrides() const {
@@ -227,7 +225,8 @@ void CommandLine::add_info() {
 
 void CommandLine::add_report() {
   CLI::App* report = app_.add_subcommand("report", "write an HTML page that plays a result and plots its history");
-  report->footer(examples({"pliant report out/beam", "pliant report out/beam --output beam.html --size 10"}));
+  report->footer(examples({"pliant report out/beam", "pliant report out/beam --output beam.html --size 10",
+                           "pliant report out/beam --watch"}));
   report->add_option("RESULT", arguments_.report.place, "directory of a result, its result.h5 or result.xdmf")
       ->required();
   report->add_option("--output", arguments_.report.output, "the file; default: report.html next to the result");
@@ -237,6 +236,13 @@ void CommandLine::add_report() {
       ->check(CLI::PositiveNumber)
       ->type_name("MB")
       ->capture_default_str();
+  report
+      ->add_option("--watch", arguments_.report.watch,
+                   "renew the page so often while the run is active; an open page follows by itself")
+      ->expected(0, 1)
+      ->default_str("5")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->type_name("SECONDS");
   report->callback([this] {
     command_ = [this] {
       Console console(comm_, Verbosity::normal);
@@ -250,13 +256,16 @@ void CommandLine::add_check() {
   check->footer(examples({"pliant check beam.yaml", "mpirun -n 8 pliant check beam.yaml --set element=P2",
                           "pliant check beam.yaml --html"}));
   add_input(*check);
-  check->add_flag("--html", arguments_.writes_page,
-                  "show the model on a page of HTML: bodies, groups, constraints, loads, contact, worst elements");
-  add_output(*check, "the file of --html; default: the input's name with .html, in the working directory");
+  check
+      ->add_option("--html", arguments_.page,
+                   "show the model on a page of HTML: bodies, groups, constraints, loads, contact, worst elements")
+      ->expected(0, 1)
+      ->default_str(CommandLine::page_by_input)
+      ->type_name("FILE");
   check->callback([this] {
     command_ = [this] {
       Console console(comm_, Verbosity::normal);
-      result_ = check_command(comm_, arguments_.file, arguments_.overrides(), arguments_.page(), console);
+      result_ = check_command(comm_, arguments_.file, arguments_.overrides(), arguments_.page_of_check(), console);
     };
   });
 }

@@ -31,6 +31,8 @@ class CommandLine {
   ExitCode operator()(int argc, const char* const* argv);
 
  private:
+  /// In the place of a file's name: the page of an input has the input's name.
+  static constexpr const char* page_by_input = "INPUT.html";
   struct Arguments {
     std::string file;
     std::vector<std::string> settings;
@@ -41,7 +43,7 @@ class CommandLine {
     bool is_of_fit = false;
     bool library = false;  ///< of measured materials
     bool continues = false;
-    bool writes_page = false;
+    std::string page;  ///< of `check`, or page_by_input
     StudyOptions study;
     Conversion conversion;
     SweepOptions sweep;
@@ -56,8 +58,8 @@ class CommandLine {
 
     /// Throws InputError for a text that is not KEY.PATH=VALUE.
     std::vector<Override> overrides() const;
-    /// The page of `check`; empty: none is wanted.
-    std::string page() const;
+    /// The file of the page; empty: none is wanted.
+    std::string page_of_check() const;
   };
 
   void add_input(CLI::App& to);

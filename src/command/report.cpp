@@ -12,12 +12,14 @@
 #include "run/summary.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <optional>
 #include <sstream>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -78,6 +80,14 @@ Json columns_from_fields(const std::string& input) {
   return columns;
 }
 
+/// Whether the run in a directory has ended: its summary is written after the last row. A run that was resumed leaves
+/// that of the earlier one until it ends.
+bool has_ended(const fs::path& directory) {
+  std::error_code missing, ignored;
+  const auto summary = fs::last_write_time(directory / "summary.json", missing);
+  return !missing && summary >= fs::last_write_time(directory / "history.csv", ignored);
+}
+
 /// The summary for the terminal.
 std::string write_page(const fs::path& file, const ReportOptions& options) {
   require_viewer();
@@ -92,6 +102,7 @@ std::string write_page(const fs::path& file, const ReportOptions& options) {
   report["input"] = text_of(directory / "run.yaml");
   report["taken"] = columns_from_fields(text_of(directory / "run.yaml"));
   report["summary"] = summary_json(directory);
+  if (options.watch && !has_ended(directory)) report["watch"] = *options.watch;
   const double left = options.megabytes * 1e6 - static_cast<double>(page.filled(report).size());
   PackedResult packed;
   naming(file, [&] { packed = pack_result(*result, static_cast<std::size_t>(std::max(left, 0.0))); });
@@ -107,12 +118,21 @@ std::string write_page(const fs::path& file, const ReportOptions& options) {
 }  // namespace
 
 void report_command(MPI_Comm comm, const ReportOptions& options, Console& console) {
-  std::string line;
   on_root(comm, [&] {
-    const std::filesystem::path file = result_file(options.place);
-    line = hdf5_in_child(file, [&] { return write_page(file, options); });
+    const fs::path file = result_file(options.place);
+    const auto write = [&] { return hdf5_in_child(file, [&] { return write_page(file, options); }); };
+    // Asked before the page is written: else a run that ends meanwhile would leave a page without its end.
+    bool is_last = !options.watch || has_ended(file.parent_path());
+    console.print(write());
+    if (is_last) return;
+    console.print(fmt::format("renewed every {:g} s until the run ends; Ctrl-C ends it earlier", *options.watch));
+    while (!is_last) {
+      std::this_thread::sleep_for(std::chrono::duration<double>(*options.watch));
+      is_last = has_ended(file.parent_path());
+      const std::string line = write();
+      if (is_last) console.print("the run has ended; " + line);
+    }
   });
-  console.print(line);
 }
 
 }  // namespace pliant

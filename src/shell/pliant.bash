@@ -32,10 +32,10 @@ _pliant() {
     'run') options='-h --help --set --output --continue --quiet' words='' files='*.@(yaml|yml)' ;;
     'resume') options='-h --help --set --output --quiet' words='' files='*.h5' ;;
     'info') options='-h --help' words='' files='*.h5' ;;
-    'report') options='-h --help --output --size' words='' files='*.@(h5|xdmf)' ;;
+    'report') options='-h --help --output --size --watch' words='' files='*.@(h5|xdmf)' ;;
     'render') options='-h --help -o --output --field --range --movie --fps --frame --view --size --scale --hide --transparent --title --frames --mesh-edges --outline' words='' files='*.@(h5|xdmf)' ;;
     'plot') options='-h --help -o --output' words='' files='*' ;;
-    'check') options='-h --help --set --html --output' words='' files='*.@(yaml|yml)' ;;
+    'check') options='-h --help --set --html' words='' files='*.@(yaml|yml)' ;;
     'converge') options='-h --help --set --output --in --levels --methods --no-check' words='' files='*.@(yaml|yml)' ;;
     'sweep') options='-h --help --set --output --result --samples --seed --logarithmic --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
     'compare') options='-h --help --of --output' words='' files='*' ;;
@@ -53,7 +53,7 @@ _pliant() {
   esac
   # What follows an option that takes a value is that.
   case $previous in
-    --set | --output | --size | -o | --field | --range | --movie | --fps | --frame | --view | --scale | --hide | --transparent | --title | --in | --levels | --methods | --result | --samples | --seed | --logarithmic | --jobs | --ranks | --of | --adjoint | --to | --fields | --kept-steps | --stretch) options='' words='' files='' ;;
+    --set | --output | --size | --watch | -o | --field | --range | --movie | --fps | --frame | --view | --scale | --hide | --transparent | --title | --html | --in | --levels | --methods | --result | --samples | --seed | --logarithmic | --jobs | --ranks | --of | --adjoint | --to | --fields | --kept-steps | --stretch) options='' words='' files='' ;;
   esac
   case "$path $previous" in
     'run --output') files='*' ;;
@@ -63,7 +63,6 @@ _pliant() {
     'render --movie') words='mp4 gif glb' ;;
     'render --view') words='iso front back right left top bottom' ;;
     'plot -o' | 'plot --output') files='*' ;;
-    'check --output') files='*' ;;
     'converge --output') files='*' ;;
     'converge --in') words='time space tolerance' ;;
     'sweep --output') files='*' ;;

@@ -11,6 +11,7 @@ import { Plots } from "./plots.js";
 import { Points } from "./points.js";
 import { View, VIEWS } from "./scene.js";
 import { showFacts, showModelFacts, showRun, showTexts } from "./texts.js";
+import { watch } from "./watch.js";
 import "./style.css";  // after that of the plots, which it changes
 
 /// The time of a static analysis is a load factor.
@@ -82,6 +83,7 @@ async function start() {
   player.listen((time) => view.set({ time }));
   view.aim(VIEWS.iso);
   player.seek(player.end);
+  await watch({ player, view, panel, points, picture });
   // For those who drive the page from outside.
   window.pliant = { player, view, panel, bodies, history, points, picture, items };
   requestAnimationFrame(() => requestAnimationFrame(() => (document.documentElement.dataset.ready = "yes")));

@@ -20,11 +20,11 @@ export function showModelFacts({ title, result, model, program, written, directo
 export function showFacts(report, history, isStatic) {
   const { title, result, summary, input } = report;
   place("title").textContent = document.title = title || "Untitled run";
-  const outcome = summary?.outcome ?? "unfinished";
+  const outcome = report.watch ? "running" : (summary?.outcome ?? "unfinished");
   const badge = place("outcome");
-  badge.textContent = { done: "done", interrupted: "interrupted", failed: "failed", unfinished: "no end yet" }[outcome] ?? outcome;
+  badge.textContent = { done: "done", interrupted: "interrupted", failed: "failed", unfinished: "no end yet", running: "running" }[outcome] ?? outcome;
   badge.dataset.outcome = outcome;
-  badge.title = outcome === "unfinished" ? "the run continues, or was killed" : summary.message || "";
+  badge.title = outcome === "running" ? `the page is renewed every ${short(report.watch)} s` : outcome === "unfinished" ? "the run continues, or was killed" : summary.message || "";
   const frames = result.frames.length < result.framesInResult
     ? `${grouped(result.frames.length)} of ${grouped(result.framesInResult)} frames` : `${grouped(result.frames.length)} frames`;
   const facts = [`${grouped(result.cells)} tetrahedra (P${result.order})`, `${grouped(result.nodes)} nodes`];

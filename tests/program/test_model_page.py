@@ -86,8 +86,8 @@ class ModelPage(ProgramTest):
         self.assertEqual([d["severity"] for d in page.model["diagnostics"]].count("warning"), 0)
 
     def test_ranks(self):
-        self.check("--html", "--output", "one.html")
-        self.check("--html", "--output", "several.html", ranks=3)
+        self.check("--html", "one.html")
+        self.check("--html", "several.html", ranks=3)
         one, several = Page(self.directory / "one.html"), Page(self.directory / "several.html")
         self.assertEqual(list(one.items), list(several.items))
         for key, (text, points, vectors) in one.items.items():
@@ -99,10 +99,8 @@ class ModelPage(ProgramTest):
                 np.testing.assert_allclose(vectors, other_vectors, atol=1e-9, err_msg=str(key))
 
     def test_mistakes(self):
-        done = self.check("--output", "bar.html", code=2)
-        self.assertIn("--html", done.stderr)
         (self.directory / "file").write_text("")
-        done = self.check("--html", "--output", "file/bar.html", code=4)
+        done = self.check("--html", "file/bar.html", code=4)
         self.assertIn("file/bar.html", done.stderr)
 
     @unittest.skipUnless(CHROMIUM, "needs the package chromium")

@@ -5,15 +5,17 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
+import time
 import unittest
 
 import h5py
 import numpy as np
 
 from browser import CHROMIUM, Browser
-from program import ProgramTest, read_history, write_box
+from program import ProgramTest, finish, read_history, start, write_box
 from report_file import ReportFile
 
 INPUT = """
@@ -185,6 +187,43 @@ class Report(ProgramTest):
         report = self.report()
         self.assertIsNone(report.json["summary"])
         self.assertEqual(report.json["history"]["rows"], 11)
+
+    def test_watched_run(self):
+        """The page is renewed until the run has ended; a browser that shows it follows."""
+        write_box(self.directory / "bar.msh", (4, 2, 2), (1, 0.2, 0.2))
+        run = start(["run", self.write("in.yaml", INPUT), "--output", "going", "--quiet", "--set", "time.end=1000"], self.directory)
+        out, page = self.directory / "going", self.directory / "going/report.html"
+        deadline = time.monotonic() + 60
+        while not (out / "history.csv").exists() or (out / "history.csv").read_text().count("\n") < 4:
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.05)
+        watch = start(["report", "going", "--watch", "0.5"], self.directory)
+        while not page.exists():
+            self.assertIsNone(watch.poll())
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.05)
+        first = ReportFile(page)
+        self.assertEqual(first.json["watch"], 0.5)
+        if CHROMIUM:
+            with Browser() as browser:
+                browser.open(page)
+                browser.wait("document.documentElement?.dataset.ready === 'yes'")
+                self.assertEqual(browser.evaluate("document.getElementById('outcome').textContent"), "running")
+                end = browser.evaluate("window.pliant.player.end")
+                browser.evaluate("window.pliant.view.aim([0, 0, 1])")
+                browser.wait(f"window.pliant?.player.end > {end} && document.documentElement.dataset.ready === 'yes'")
+                browser.wait("window.pliant?.player.time === window.pliant?.player.end")
+                self.assertEqual(browser.evaluate("window.pliant.view.aimed"), [0, 0, 1])
+                self.assertEqual(browser.errors, [])
+        run.send_signal(signal.SIGINT)
+        self.assertEqual(finish(run, 60).returncode, 130)
+        done = finish(watch, 60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("the run has ended", done.stdout)
+        last = ReportFile(page)
+        self.assertNotIn("watch", last.json)
+        self.assertEqual(last.json["summary"]["outcome"], "interrupted")
+        self.assertEqual(last.json["history"]["steps"], len(read_history(out)["step"]) - 1)
 
     def test_mistakes(self):
         done = self.call("report", self.directory / "missing")
