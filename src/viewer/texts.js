@@ -7,10 +7,13 @@ const place = (id) => document.getElementById(id);
 /// Value of a key of run.yaml, whose lines are plain.
 const given = (input, key) => input.match(new RegExp(`^ *${key}: *"?([^"\\n{]+)"?$`, "m"))?.[1];
 
+/// Whether the frames are modes, whose label says which.
+const hasModes = ({ frames }) => frames.some((frame) => frame.label);
+
 export function showFacts(report, history, isStatic) {
   const { title, result, summary, input } = report;
   place("title").textContent = document.title = title || "Untitled run";
-  const outcome = summary?.outcome ?? "unfinished";
+  const outcome = hasModes(result) ? "modes" : summary?.outcome ?? "unfinished";
   const badge = place("outcome");
   badge.textContent = { done: "done", interrupted: "interrupted", failed: "failed", unfinished: "no end yet" }[outcome] ?? outcome;
   badge.dataset.outcome = outcome;
@@ -52,7 +55,8 @@ function table(title, rows) {
   return element("article", {}, element("h2", { textContent: title }), made);
 }
 
-export function showRun(to, { summary }) {
+export function showRun(to, { summary, result }) {
+  if (hasModes(result)) to.append(table("Modes", result.frames.map((frame) => frame.label.split(", "))));
   if (!summary) return;
   const { seconds, steps, solver, worst_step: worst, message } = summary;
   if (message) to.append(element("article", { className: "wide" }, element("h2", { textContent: "Why it ended" }), element("p", { textContent: message })));
