@@ -123,8 +123,9 @@ void use_factors(EPS eps, PC factors) {
 
 Eigenpairs solve(const EigenProblem& problem, PetscInt number, double sigma, const Shifted& shifted,
                  const Scale& scale) {
-  const auto most = static_cast<PetscInt>(scale.with_mass);
-  number = std::min(number, most);
+  number = std::min(number, static_cast<PetscInt>(scale.with_mass));
+  PetscInt num_unknowns = 0;
+  check(MatGetSize(problem.K, &num_unknowns, nullptr));
   Handle<EPS> eps;
   check(EPSCreate(comm_of(problem.K), eps.out()));
   check(EPSSetOperators(eps.get(), problem.K, problem.M));
@@ -133,7 +134,7 @@ Eigenpairs solve(const EigenProblem& problem, PetscInt number, double sigma, con
   check(EPSSetTarget(eps.get(), sigma));
   check(EPSSetWhichEigenpairs(eps.get(), EPS_TARGET_MAGNITUDE));
   check(EPSSetTolerances(eps.get(), tolerance, most_restarts));
-  check(EPSSetDimensions(eps.get(), number, std::min(most, std::max(2 * number, number + 20)), PETSC_DEFAULT));
+  check(EPSSetDimensions(eps.get(), number, std::min(num_unknowns, std::max(2 * number, number + 20)), PETSC_DEFAULT));
   use_factors(eps.get(), shifted.factors());
   check(EPSSetFromOptions(eps.get()));
   check(EPSSolve(eps.get()));

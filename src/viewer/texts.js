@@ -17,7 +17,7 @@ export function showFacts(report, history, isStatic) {
   const badge = place("outcome");
   badge.textContent = { done: "done", interrupted: "interrupted", failed: "failed", unfinished: "no end yet" }[outcome] ?? outcome;
   badge.dataset.outcome = outcome;
-  badge.title = outcome === "unfinished" ? "the run continues, or was killed" : summary.message || "";
+  badge.title = outcome === "unfinished" ? "the run continues, or was killed" : summary?.message || "";
   const frames = result.frames.length < result.framesInResult
     ? `${grouped(result.frames.length)} of ${grouped(result.framesInResult)} frames` : `${grouped(result.frames.length)} frames`;
   const facts = [`${grouped(result.cells)} tetrahedra (P${result.order})`, `${grouped(result.nodes)} nodes`];

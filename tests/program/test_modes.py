@@ -242,6 +242,10 @@ cavities: [{{name: air, surface: bottom, volume: 0.05, gas: {{pressure: 0, ambie
         largest = [np.linalg.norm(frame["displacement"], axis=1).max() for frame in result.frames]
         np.testing.assert_allclose(largest, 0.1 * LENGTH, rtol=1e-12)
         self.assertIn('<Grid Name="mode 1, ', (self.directory / "out/bar/modes/result.xdmf").read_text())
+        self.pliant("report", "out/bar/modes")
+        page = (self.directory / "out/bar/modes/report.html").read_text(encoding="utf-8")
+        self.assertIn('"label":"mode 3, ', page)
+        self.assertIn("3 frames from mode 1, ", self.pliant("info", "out/bar/modes").stdout)
         self.assertEqual(f.shapes.shape, (3, len(result.frames[0].mesh.coordinates), 3))
         self.assertEqual(f.effective_mass.shape, (3, 3))
 
