@@ -176,6 +176,10 @@ Scale require_mass(const EigenProblem& problem) {
 
 }  // namespace
 
+std::string slepc_version() {
+  return fmt::format("{}.{}.{}", SLEPC_VERSION_MAJOR, SLEPC_VERSION_MINOR, SLEPC_VERSION_SUBMINOR);
+}
+
 Eigenpairs smallest_eigenpairs(const EigenProblem& problem, PetscInt number) {
   const SlepcSession session;
   const Scale scale = require_mass(problem);

@@ -3,6 +3,7 @@
 
 #include "petsc/handle.hpp"
 
+#include <string>
 #include <vector>
 
 namespace pliant {
@@ -31,5 +32,8 @@ Eigenpairs smallest_eigenpairs(const EigenProblem& problem, PetscInt number);
 
 /// Likewise, those nearest to `target` [1/s^2].
 Eigenpairs nearest_eigenpairs(const EigenProblem& problem, PetscInt number, double target);
+
+/// The version of SLEPc.
+std::string slepc_version();
 
 }  // namespace pliant

@@ -89,10 +89,7 @@ void write_modes_csv(MPI_Comm comm, const std::filesystem::path& directory, std:
                                mode.damping_ratio.value_or(none), x, y, z}) +
             '\n';
   }
-  on_root(comm, [&] {
-    make_directory(directory);
-    write_text_atomically(directory / "modes.csv", text);
-  });
+  on_root(comm, [&] { write_text_atomically(directory / "modes.csv", text); });
 }
 
 void write_mode_frames(const std::filesystem::path& directory, const Config& config, const Model& model, Vec q,

@@ -1,10 +1,10 @@
 #include "study/modes.hpp"
 
+#include "base/file.hpp"
 #include "input/analysis.hpp"
 #include "input/input.hpp"
 #include "input/loads.hpp"
-#include "petsc/check.hpp"
-#include "petsc/ghosted.hpp"
+#include "petsc/collective.hpp"
 #include "petsc/session.hpp"
 #include "run/simulation.hpp"
 #include "study/mode_files.hpp"
@@ -47,6 +47,10 @@ class ModesStudy {
 
   ExitCode operator()() {
     const NodeLayout& layout = model_.layout();
+    const std::filesystem::path directory = options_.output.empty()
+                                                ? std::filesystem::path(config_.output.directory) / "modes"
+                                                : std::filesystem::path(options_.output);
+    on_root(layout.comm, [&] { make_directory(directory); });
     simulation_.emplace(config_, model_);
     if (is_loaded_) find_equilibrium();
     const StepRecord& record = simulation_->record();
@@ -60,9 +64,6 @@ class ModesStudy {
     const Eigenpairs pairs = eigenpairs(vibration.problem());
     const std::vector<Mode> modes = modes_of(vibration, layout, pairs);
     print(vibration, modes);
-    const std::filesystem::path directory = options_.output.empty()
-                                                ? std::filesystem::path(config_.output.directory) / "modes"
-                                                : std::filesystem::path(options_.output);
     write_modes_csv(layout.comm, directory, modes);
     write_mode_frames(directory, config_, model_, record.q, modes);
     console_.print(fmt::format("results: {0}/modes.csv, {0}/result.xdmf", directory.string()));

@@ -144,6 +144,7 @@ void Vibration::set_matrices(const BaseState& about) {
   y_ = make_vector(model_.layout());
   check(VecCopy(q_.get(), y_.get()));
   equation.enter(stage(about), y_.get(), xi.get());
+  equation.extrapolate_from(nullptr);
   equation.freeze(xi.get());
   equation.gradient(xi.get(), r.get());
   const double forces = equation.force_scale(xi.get()), unbalanced = norm(r.get());

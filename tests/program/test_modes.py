@@ -201,7 +201,7 @@ bodies: [{{volume: body, density: 500, elasticity: {{model: linear, youngs_modul
 constraints: [{sides}]
 cavities: [{{name: air, surface: bottom, volume: 0.05, gas: {{pressure: 0, ambient: 1.0e5, exponent: 1.4}}}}]
 """ + MOTION)
-        for ranks in (1, 2, 3):
+        for ranks in (1, 3):
             found = self.modes(file, "--number", "1", ranks=ranks)
             self.assert_close(found["frequency"], np.sqrt(1.4e5 * 0.02**2 / (0.05 * 3)) / (2 * np.pi), 1e-6)
 
