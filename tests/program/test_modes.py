@@ -10,7 +10,7 @@ import numpy as np
 import scipy.linalg
 import scipy.optimize
 
-from program import ENVIRONMENT, PROGRAM, ROOT, ProgramTest, write_box
+from program import ENVIRONMENT, PROGRAM, ROOT, ProgramTest, box, write_box, write_mesh
 
 sys.path.insert(0, str(ROOT / "src/python"))
 os.environ.update(ENVIRONMENT, PLIANT=str(PROGRAM))
@@ -180,6 +180,19 @@ class Modes(ProgramTest):
         axial = np.argmax(found[0]["effective_mass_x"])
         self.assert_close(found[0]["frequency"][axial], x * WAVE / LENGTH / (2 * np.pi), 2e-3)
         self.assert_close(found[1]["frequency"], found[0]["frequency"], 1e-8)
+
+    def test_two_halves_that_are_tied(self):
+        """They vibrate as the whole bar does, on one rank and on two."""
+        whole = self.modes(self.bar(n=(8, 1, 1)), "--number", "6")["frequency"]
+        halves = [box((4, 1, 1), (LENGTH / 2, WIDTH, HEIGHT), origin=(x, 0, 0)) for x in (0, LENGTH / 2)]
+        number = len(halves[0][0])
+        left, right = halves[0][1], [side + number for side in halves[1][1]]
+        sides = [left[0], right[1], left[1], right[0], left[4], left[5]]  # the ends, then both sides of the cut
+        write_mesh(self.directory / "halves.msh", np.vstack([h[0] for h in halves]), sides, np.vstack([halves[0][2], halves[1][2] + number]))
+        text = BAR.format(law="linear", nu=0, more="").replace("bar.msh", "halves.msh")
+        file = self.write("halves.yaml", text + CLAMP.replace("]}]", "]}, {surface: front, tied_to: back}]") + MOTION)
+        for ranks in (1, 2):
+            self.assert_close(self.modes(file, "--number", "6", ranks=ranks)["frequency"], whole, 1e-6)
 
     def test_a_pendulum(self):
         """A rigid body on a hinge under gravity: (2 pi f)^2 = m g l / I, from the curvature of its motion alone."""
