@@ -24,8 +24,8 @@ set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "${PROJECT_DESCRIPTION}: libraries
  terms to Pliant or to call it from another program.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 string(JOIN ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "pliant (= ${PROJECT_VERSION})" g++ cmake pkg-config
-       libpetsc-real-dev libgmsh-dev libmetis-dev libhdf5-openmpi-dev libopenmpi-dev libyaml-cpp-dev libcli11-dev
-       libfmt-dev libmuparser-dev libudunits2-dev nlohmann-json3-dev libeigen3-dev libboost-dev zlib1g-dev)
+       libpetsc-real-dev libslepc-real-dev libgmsh-dev libmetis-dev libhdf5-openmpi-dev libopenmpi-dev libyaml-cpp-dev
+       libcli11-dev libfmt-dev libmuparser-dev libudunits2-dev nlohmann-json3-dev libeigen3-dev libboost-dev zlib1g-dev)
 
 # A program for this machine's instruction set ends with an illegal instruction on an older one.
 if(PLIANT_NATIVE)

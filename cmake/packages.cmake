@@ -13,13 +13,15 @@ find_package(nlohmann_json REQUIRED)
 find_path(BOOST_INCLUDE_DIR boost/geometry/index/rtree.hpp REQUIRED)  # headers only
 find_library(GMSH_LIBRARY gmsh REQUIRED)
 find_library(METIS_LIBRARY metis REQUIRED)
-# A PETSc of 64-bit indices stands on a MUMPS whose ordering has them too; the process can have one of the two only.
+# A PETSc of 64-bit indices stands on a MUMPS whose ordering has them too, and SLEPc on it; the process can have one of the two only.
 find_file(PETSC_CONFIGURATION petscconf.h HINTS ${PETSC_INCLUDE_DIRS} REQUIRED NO_DEFAULT_PATH)
 file(STRINGS ${PETSC_CONFIGURATION} PLIANT_LONG_INDICES REGEX "define PETSC_USE_64BIT_INDICES 1")
 if(PLIANT_LONG_INDICES)
   find_library(SMUMPS_LIBRARY smumps_64 REQUIRED)
+  pkg_search_module(SLEPC REQUIRED IMPORTED_TARGET slepc64>=3.18 slepc>=3.18)
 else()
   find_library(SMUMPS_LIBRARY smumps REQUIRED)
+  pkg_check_modules(SLEPC REQUIRED IMPORTED_TARGET slepc>=3.18)
 endif()
 file(STRINGS ${PETSC_CONFIGURATION} PLIANT_PARALLEL_PARTITIONER REGEX "define PETSC_HAVE_(PTSCOTCH|PARMETIS) 1")
 if(NOT PLIANT_PARALLEL_PARTITIONER)

@@ -11,7 +11,7 @@ set -euo pipefail
 # The two lists of packages, for Debian 12.
 run_packages=(
   g++ cmake ninja-build pkg-config git
-  libpetsc-real-dev libgmsh-dev gmsh libmetis-dev libhdf5-openmpi-dev libopenmpi-dev openmpi-bin
+  libpetsc-real-dev libslepc-real-dev libgmsh-dev gmsh libmetis-dev libhdf5-openmpi-dev libopenmpi-dev openmpi-bin
   libopenblas0-pthread libopenblas-dev libyaml-cpp-dev libcli11-dev libfmt-dev libmuparser-dev
   libudunits2-dev nlohmann-json3-dev libeigen3-dev libboost-dev zlib1g-dev
   python3 python3-numpy python3-vtk9 python3-matplotlib python3-h5py python3-yaml python3-pil ffmpeg xvfb

@@ -122,6 +122,7 @@ CommandLine::CommandLine(MPI_Comm comm, const SweepOptions& of_sweep)
   add_plot();
   add_check();
   add_converge();
+  add_modes();
   add_sweep();
   add_compare();
   add_sensitivity();

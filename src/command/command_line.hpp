@@ -6,6 +6,7 @@
 #include "study/compare.hpp"
 #include "study/converge.hpp"
 #include "study/gradient.hpp"
+#include "study/modes.hpp"
 #include "study/sensitivity.hpp"
 #include "study/sweep.hpp"
 
@@ -51,6 +52,7 @@ class CommandLine {
     CompareOptions compare;
     SensitivityOptions sensitivity;
     GradientOptions gradient;
+    ModesOptions modes;
     ReportOptions report;
     std::string refine;
     std::vector<std::string> words;
@@ -79,6 +81,7 @@ class CommandLine {
   void add_plot();
   void add_check();
   void add_converge();
+  void add_modes();
   void add_sweep();
   void add_compare();
   void add_sensitivity();

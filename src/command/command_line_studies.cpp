@@ -5,6 +5,7 @@
 #include "study/fit.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -73,6 +74,32 @@ void CommandLine::add_sweep() {
       }
       Console console(comm_, Verbosity::normal);
       result_ = sweep_command(arguments_.file, arguments_.overrides(), arguments_.sweep, console);
+    };
+  });
+}
+
+void CommandLine::add_modes() {
+  CLI::App* modes =
+      app_.add_subcommand("modes", "natural frequencies and mode shapes (eigenmodes), at rest or under load");
+  modes->footer(
+      examples({"pliant modes beam.yaml", "mpirun -n 2 pliant modes beam.yaml --number 20 --output out/modes",
+                "pliant modes string.yaml --set \"time.method=static\"", "pliant modes beam.yaml --near 440"}));
+  add_input(*modes);
+  add_output(*modes, "directory for modes.csv and the shapes; default: modes in the input's output.directory");
+  modes->add_option("--number", arguments_.modes.number, "how many modes, from the lowest frequency on")
+      ->check(CLI::Range(1, 10000))
+      ->type_name("N")
+      ->capture_default_str();
+  modes->add_option("--near", arguments_.modes.near, "a frequency [Hz]: the modes nearest to it, not the lowest")
+      ->check(CLI::PositiveNumber)
+      ->type_name("FREQUENCY");
+  modes->add_flag("--unloaded", arguments_.modes.is_unloaded,
+                  "about the undeformed state; otherwise, if time.method is static, about the equilibrium under load");
+  modes->callback([this] {
+    command_ = [this] {
+      Console console(comm_, Verbosity::normal);
+      arguments_.modes.output = std::exchange(arguments_.output, {});
+      result_ = modes_command(comm_, arguments_.file, arguments_.overrides(), arguments_.modes, console);
     };
   });
 }

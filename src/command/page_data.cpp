@@ -119,7 +119,9 @@ Json json_of(const PackedResult& result, Page& page) {
   for (const auto& obstacles : result.obstacles) json["obstacles"].push_back(json_of(obstacles, page));
   for (const auto& mechanisms : result.mechanisms) json["mechanisms"].push_back(json_of(mechanisms, page));
   for (const auto& f : result.frames) {
-    json["frames"].push_back({{"time", f.time}, {"step", f.step}, {"mesh", f.mesh}, {"shift", f.shift}});
+    Json& frame =
+        json["frames"].emplace_back(Json{{"time", f.time}, {"step", f.step}, {"mesh", f.mesh}, {"shift", f.shift}});
+    if (!f.label.empty()) frame["label"] = f.label;
   }
   for (const auto& field : result.fields) json["fields"].push_back(json_of(field, page));
   return json;

@@ -186,7 +186,7 @@ class Packer {
   /// Reads a frame; nothing if the displacement is not finite.
   std::optional<Values> read(const ResultFrame& frame) {
     Values values;
-    values.frame = {frame.time, frame.step, scene_of(frame.mesh), {}};
+    values.frame = {frame.time, frame.step, scene_of(frame.mesh), {}, frame.label};
     const Scene& scene = scenes_[values.frame.mesh];
     const auto fields = result_.fields(frame);
     for (const auto& channel : channels_) {

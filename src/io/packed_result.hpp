@@ -26,6 +26,7 @@ struct PackedFrame {
   std::int64_t step = 0;
   std::size_t mesh = 0;
   std::array<double, 3> shift{};  ///< mean displacement, which the packed displacement is relative to [m]
+  std::string label;              ///< ResultFrame::label
 };
 
 /// Values at vertices; a row per frame.

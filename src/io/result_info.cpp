@@ -28,9 +28,11 @@ std::string names_of(hid_t file, const std::string& group, const std::string& ta
   return fmt::format("{}: {}\n", group, names);
 }
 
-double time_of(hid_t frames, const std::string& name) {
+/// The time of a frame, or what is shown in place of it.
+std::string instant_of(hid_t frames, const std::string& name) {
   const Hdf5Handle frame(H5Gopen2(frames, name.c_str(), H5P_DEFAULT), H5Gclose, "open the frame '" + name + "'");
-  return finite_attribute(frame.get(), "time");
+  if (H5Aexists(frame.get(), "label") > 0) return text_attribute(frame.get(), "label");
+  return fmt::format("{:.6g}", finite_attribute(frame.get(), "time"));
 }
 
 std::string fields_of(hid_t frames, const std::string& name) {
@@ -58,8 +60,9 @@ std::string description_of(const std::filesystem::path& path) {
                   size_of_dataset(file.get(), "mesh/coordinates")[0], size_of_dataset(file.get(), "mesh/cells")[0]);
   text += names_of(file.get(), "obstacles", "obstacle") + names_of(file.get(), "mechanisms", "part");
   if (names.empty()) return text + "no frames\n";
-  text += fmt::format("{} frame{} from t = {:.6g} to {:.6g}\n", names.size(), names.size() == 1 ? "" : "s",
-                      time_of(frames.get(), names.front()), time_of(frames.get(), names.back()));
+  const std::string first = instant_of(frames.get(), names.front()), last = instant_of(frames.get(), names.back());
+  text += fmt::format("{} frame{} from {}{} to {}\n", names.size(), names.size() == 1 ? "" : "s",
+                      first.starts_with("mode") ? "" : "t = ", first, last);
   return text + fields_of(frames.get(), names.back());
 }
 

@@ -71,7 +71,8 @@ bool has_link(hid_t parent, const std::string& name) {
 ResultFrame frame_of(hid_t frames, const std::string& name) {
   const Hdf5Handle group = open_group(frames, name);
   return {name, finite_attribute(group.get(), "time"), integer_attribute(group.get(), "step"),
-          text_attribute(group.get(), "mesh")};
+          text_attribute(group.get(), "mesh"),
+          H5Aexists(group.get(), "label") > 0 ? text_attribute(group.get(), "label") : ""};
 }
 
 }  // namespace

@@ -21,7 +21,8 @@ struct ResultFrame {
   std::string name;   ///< "000012"
   double time = 0.0;  ///< [s]; the load factor in a static problem
   std::int64_t step = 0;
-  std::string mesh;  ///< group of its mesh: "/mesh"
+  std::string mesh;   ///< group of its mesh: "/mesh"
+  std::string label;  ///< what is shown in place of the time; empty: the time
 };
 
 /// A field's description; its values are read by ResultReader::values.

@@ -133,12 +133,14 @@ void ResultWriter::write_mesh(const OutputMesh& mesh) const {
   add_group(comm_, hdf5_file_, group, Durability::process);
 }
 
-void ResultWriter::write_frame(double time, std::int64_t step, std::span<const OutputField> fields) {
+void ResultWriter::write_frame(double time, std::int64_t step, std::span<const OutputField> fields,
+                               const std::string& label) {
   Group group{"/frames", fmt::format("{:06}", next_frame_++), {}, {}};
   group.write_attributes = [&](hid_t frame) {
     write_attribute(frame, "time", time);
     write_attribute(frame, "step", step);
     write_attribute(frame, "mesh", "/" + mesh_);
+    if (!label.empty()) write_attribute(frame, "label", label);
   };
   for (const auto& field : fields) {
     const std::string location = field.location == FieldLocation::node ? "node" : "cell";
@@ -152,7 +154,11 @@ void ResultWriter::write_frame(double time, std::int64_t step, std::span<const O
   add_group(comm_, hdf5_file_, group, Durability::process);
   int is_old = 0;
   on_root(comm_, [&] {
-    const std::string grids = grids_ + grid_of_frame(time, step, "/frames/" + group.name, fields);
+    XdmfGrid grid = grid_of_frame("/frames/" + group.name, fields);
+    grid.name = label.empty() ? fmt::format("step {}", step) : label;
+    grid.time = time;
+    grid.step = step;
+    const std::string grids = grids_ + to_xml(grid);
     write_text_atomically(xdmf_file_, xdmf_document(title_, grids), Durability::process);
     grids_ = grids;
     is_old = std::chrono::steady_clock::now() - synced_ > time_between_syncs ? 1 : 0;
@@ -189,12 +195,8 @@ std::filesystem::path ResultWriter::companion_file(const std::string& companion)
   return xdmf_file_.parent_path() / (xdmf_file_.stem().string() + "_" + companion + ".xdmf");
 }
 
-std::string ResultWriter::grid_of_frame(double time, std::int64_t step, const std::string& group,
-                                        std::span<const OutputField> fields) const {
+XdmfGrid ResultWriter::grid_of_frame(const std::string& group, std::span<const OutputField> fields) const {
   XdmfGrid grid;
-  grid.name = fmt::format("step {}", step);
-  grid.time = time;
-  grid.step = step;
   grid.cells = array("/" + mesh_ + "/cells", XdmfArray::Number::int64, cells_, nodes_per_cell_);
   grid.coordinates = array("/" + mesh_ + "/coordinates", XdmfArray::Number::float64, nodes_, 3);
   for (const auto& field : fields) {
@@ -207,7 +209,7 @@ std::string ResultWriter::grid_of_frame(double time, std::int64_t step, const st
     grid.fields.push_back(
         {name, "", XdmfField::Center::cell, array("/" + mesh_ + "/" + name, XdmfArray::Number::int32, cells_, 1)});
   }
-  return to_xml(grid);
+  return grid;
 }
 
 }  // namespace pliant

@@ -5,9 +5,10 @@
 ///   /mesh/cells             num_cells x 4 or 10, node numbers in VTK's order
 ///   /mesh/body, /mesh/rank  num_cells; attributes of body, one per line: `names`; `masses`, names of
 ///                           rigid bodies with neither mesh nor surface, if there are any
-///   /frames/000000/...      attributes time [s], step, mesh (its group: "/mesh"; "/mesh_1" after a restart); a dataset
-///   per field, num_nodes or num_cells x components, attributes
-///                           `unit` and `location` ("node" or "cell")
+///   /frames/000000/...      attributes time [s], step, mesh (its group: "/mesh"; "/mesh_1" after a restart), label
+///   (what
+///                           is shown in place of the time, if it is none); a dataset per field, num_nodes or num_cells
+///                           x components, attributes `unit` and `location` ("node" or "cell")
 ///   /obstacles/..., /mechanisms/...  see obstacle_writer.hpp, mechanism_writer.hpp
 ///
 /// Only the metadata go through HDF5, on rank 0; every rank then writes its rows directly to their place in the file.
@@ -98,8 +99,9 @@ class ResultWriter {
                std::int64_t last_step);
 
   /// Adds a frame. When it returns, the frame is in the file and listed, and survives the end of the program. Frames
-  /// are also flushed to the disk every ten seconds. Collective.
-  void write_frame(double time, std::int64_t step, std::span<const OutputField> fields);
+  /// are also flushed to the disk every ten seconds. `label`: what is shown in place of the time; may be empty.
+  /// Collective.
+  void write_frame(double time, std::int64_t step, std::span<const OutputField> fields, const std::string& label = {});
   /// Returns when all frames have reached the disk and the file ends with them. Collective.
   void sync();
 
@@ -116,8 +118,7 @@ class ResultWriter {
   XdmfArray array(const std::string& place, XdmfArray::Number number, const RowBlock& rows, int columns) const;
   void start_files() const;
   void write_mesh(const OutputMesh& mesh) const;
-  std::string grid_of_frame(double time, std::int64_t step, const std::string& group,
-                            std::span<const OutputField> fields) const;
+  XdmfGrid grid_of_frame(const std::string& group, std::span<const OutputField> fields) const;
 
   MPI_Comm comm_;
   std::string title_;

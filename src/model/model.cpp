@@ -93,10 +93,6 @@ void Model::check_method(const Config& config) {
   include(std::move(warnings));
 }
 
-void Model::warn(const Location& where, std::string message) {
-  diagnostics_.push_back({Severity::warning, where, std::move(message)});
-}
-
 void Model::include(std::vector<Diagnostic> found) {
   std::ranges::move(found, std::back_inserter(diagnostics_));
 }
@@ -346,7 +342,7 @@ void Model::prepare(const Config& config) {
   if (ConstraintMap* map = constraints_->map()) {
     map->set_rigidity(analysis == Analysis::dynamic ? Rigidity::of_accelerations : Rigidity::of_configurations);
   }
-  viscous_ = make_viscous_terms(config, {layout_, *pattern_, cells_, laws_, expansions_});
+  viscous_ = viscous_terms(config);
   std::vector<const EnergyTerm*> terms;
   // Results take volume ratios from the last stress that counts as elastic, which must be that of the law.
   for (const auto& term : softening_) terms.push_back(term.get());
@@ -378,6 +374,10 @@ void Model::prepare(const Config& config) {
   mixed_equation_ =
       std::make_unique<MixedEquation>(*potential_, layout_, mixed_, *pressures_, constraints_->rigid_parts());
   if (constraints_->map() == nullptr && !mixed_equation_->determines_pressures()) reject_undetermined_pressures(config);
+}
+
+std::vector<std::unique_ptr<EnergyTerm>> Model::viscous_terms(const Config& config) const {
+  return make_viscous_terms(config, {layout_, *pattern_, cells_, laws_, expansions_});
 }
 
 StageEquation& Model::equation() {

@@ -98,6 +98,9 @@ class Model {
   /// Throws InputError at a load or a prescribed displacement that is not finite at the time [s]. Collective.
   void require_finite(double time) const;
 
+  /// The terms of viscosity for the method of `config`, which has the bodies of the model. Not collective.
+  std::vector<std::unique_ptr<EnergyTerm>> viscous_terms(const Config& config) const;
+
   /// What terms know about a time of the run (for a static problem: the load factor).
   Instant instant(double time) const { return static_time_ ? Instant{*static_time_, time} : Instant{time, 1.0}; }
 
@@ -123,7 +126,9 @@ class Model {
     return are_without_surface_[k / count] != 0 || are_without_surface_[k % count] != 0;
   }
   void check_method(const Config& config);
-  void warn(const Location& where, std::string message);
+  void warn(const Location& where, std::string message) {
+    diagnostics_.push_back({Severity::warning, where, std::move(message)});
+  }
   void include(std::vector<Diagnostic> found);
   /// Widens the range of wave speeds.
   void include_waves(const ElasticLawSpec& law, double density);

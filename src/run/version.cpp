@@ -1,5 +1,6 @@
 #include "run/version.hpp"
 
+#include "solver/eigenpairs.hpp"
 #include "solver/linear.hpp"
 
 #include <algorithm>
@@ -29,9 +30,10 @@ std::string version_text() {
   unsigned major = 0, minor = 0, release = 0;
   (void)H5get_libversion(&major, &minor, &release);
   return fmt::format(
-      "pliant {}\n  PETSc   {}\n  MUMPS   {}\n  HDF5    {}\n  gmsh    {}\n  METIS   {}.{}.{}\n  MPI     {}\n",
-      PLIANT_VERSION, first_line, mumps_version(), fmt::format("{}.{}.{}", major, minor, release), GMSH_API_VERSION,
-      METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR, mpi_line);
+      "pliant {}\n  PETSc   {}\n  SLEPc   {}\n  MUMPS   {}\n  HDF5    {}\n  gmsh    {}\n  METIS   {}.{}.{}\n  MPI     "
+      "{}\n",
+      PLIANT_VERSION, first_line, slepc_version(), mumps_version(), fmt::format("{}.{}.{}", major, minor, release),
+      GMSH_API_VERSION, METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR, mpi_line);
 }
 
 std::string commented(const std::string& text) {

@@ -12,6 +12,7 @@ _pliant() {
       ' plot') path='plot' ;;
       ' check') path='check' ;;
       ' converge') path='converge' ;;
+      ' modes') path='modes' ;;
       ' sweep') path='sweep' ;;
       ' compare') path='compare' ;;
       ' sensitivity') path='sensitivity' ;;
@@ -28,7 +29,7 @@ _pliant() {
     esac
   done
   case $path in
-    '') options='-h --help --version' words='run resume info report render plot check converge sweep compare sensitivity fit mesh methods materials schema help completion man' files='' ;;
+    '') options='-h --help --version' words='run resume info report render plot check converge modes sweep compare sensitivity fit mesh methods materials schema help completion man' files='' ;;
     'run') options='-h --help --set --output --continue --quiet' words='' files='*.@(yaml|yml)' ;;
     'resume') options='-h --help --set --output --quiet' words='' files='*.h5' ;;
     'info') options='-h --help' words='' files='*.h5' ;;
@@ -37,6 +38,7 @@ _pliant() {
     'plot') options='-h --help -o --output' words='' files='*' ;;
     'check') options='-h --help --set --html' words='' files='*.@(yaml|yml)' ;;
     'converge') options='-h --help --set --output --in --levels --methods --no-check' words='' files='*.@(yaml|yml)' ;;
+    'modes') options='-h --help --set --output --number --near --unloaded' words='' files='*.@(yaml|yml)' ;;
     'sweep') options='-h --help --set --output --result --samples --seed --logarithmic --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
     'compare') options='-h --help --of --output' words='' files='*' ;;
     'sensitivity') options='-h --help --set --output --of --adjoint --to --fields --kept-steps' words='' files='*.@(yaml|yml)' ;;
@@ -65,6 +67,7 @@ _pliant() {
     'plot -o' | 'plot --output') files='*' ;;
     'converge --output') files='*' ;;
     'converge --in') words='time space tolerance' ;;
+    'modes --output') files='*' ;;
     'sweep --output') files='*' ;;
     'compare --output') files='*' ;;
     'sensitivity --output') files='*' ;;

@@ -45,12 +45,12 @@ class Surface {
   }
 }
 
-/// Frame numbers around a time, and how far it is from the first to the second.
+/// Frame numbers around a time, and how far it is from the first to the second; nothing lies between frames with labels, such as modes.
 function around(frames, time) {
   let i = 0;
   while (i + 1 < frames.length && frames[i + 1].time <= time) ++i;
   const next = frames[i + 1];
-  if (!next || next.mesh !== frames[i].mesh || !(next.time > frames[i].time)) return [i, i, 0];
+  if (!next || next.label || next.mesh !== frames[i].mesh || !(next.time > frames[i].time)) return [i, i, 0];
   return [i, i + 1, Math.min(1, Math.max(0, (time - frames[i].time) / (next.time - frames[i].time)))];
 }
 

@@ -55,6 +55,7 @@ export class Picture {
   }
 
   timeLine() {
+    if (this.player.hasLabels) return this.player.label();
     const [number, unit] = this.player.text(this.player.time);
     return this.player.isStatic ? `load ${number}` : `t = ${number} ${unit}`;
   }
@@ -81,7 +82,8 @@ export class Picture {
   savePicture() {
     this.view.render();  // with what was set since the last drawing
     const [number, unit] = this.player.text(this.player.time);
-    const name = `${this.run}_${this.player.isStatic ? "load" : "t"}${number}${unit.replace("µ", "u")}.png`;
+    const kind = this.player.hasLabels ? "mode" : this.player.isStatic ? "load" : "t";
+    const name = `${this.run}_${kind}${number}${kind === "t" ? unit.replace("µ", "u") : ""}.png`;
     this.compose().toBlob((blob) => save(blob, name), "image/png");
   }
 

@@ -18,12 +18,13 @@ export class Player {
     this.pace = span / seconds;
     if (this.pace > 0.6 && this.pace < 1.7) this.pace = 1;
     this.text = timeText(frames.map((f) => f.time), isStatic ? "" : "s");
+    this.hasLabels = frames.some((f) => f.label);
     place("scrub").min = this.start;
     place("scrub").max = this.end > this.start ? this.end : this.start + 1;
     for (const factor of [0.1, 0.25, 0.5, 1, 2, 4]) {
       place("speed").append(new Option(`${factor}×`, factor, factor === 1, factor === 1));
     }
-    place("speed").onchange = () => (place("pace").textContent = isStatic ? "" : paceText(this.speed()));
+    place("speed").onchange = () => (place("pace").textContent = isStatic || this.hasLabels ? "" : paceText(this.speed()));
     place("speed").onchange();
     place("scrub").oninput = () => this.seek(Number(place("scrub").value));
     place("play").onclick = () => (this.playing ? this.pause() : this.play());
@@ -34,6 +35,11 @@ export class Player {
 
   listen(listener) {
     this.listeners.push(listener);
+  }
+
+  /// What is shown in place of the time: of the last frame that has begun.
+  label() {
+    return this.frames.findLast((f) => f.time <= this.time)?.label ?? "";
   }
 
   /// Seconds of the run that are shown in one.
@@ -51,7 +57,8 @@ export class Player {
     place("scrub").value = this.time;
     place("scrub").style.setProperty("--done", `${(100 * (this.time - this.start)) / (this.end - this.start || 1)}%`);
     const [number, unit] = this.text(this.time);
-    place("time").innerHTML = this.isStatic ? `load <b>${number}</b>` : `<b>${number}</b> ${unit}`;
+    if (this.hasLabels) place("time").textContent = this.label();
+    else place("time").innerHTML = this.isStatic ? `load <b>${number}</b>` : `<b>${number}</b> ${unit}`;
     for (const listener of this.listeners) listener(this.time);
   }
 

@@ -17,14 +17,17 @@ export function showModelFacts({ title, result, model, program, written, directo
   place("made").textContent = `Made with ${program.split("\n")[0]} on ${written} from ${directory}`;
 }
 
+/// Whether the frames are modes, whose label says which.
+const hasModes = ({ frames }) => frames.some((frame) => frame.label);
+
 export function showFacts(report, history, isStatic) {
   const { title, result, summary, input } = report;
   place("title").textContent = document.title = title || "Untitled run";
-  const outcome = report.watch ? "running" : (summary?.outcome ?? "unfinished");
+  const outcome = report.watch ? "running" : hasModes(result) ? "modes" : (summary?.outcome ?? "unfinished");
   const badge = place("outcome");
   badge.textContent = { done: "done", interrupted: "interrupted", failed: "failed", unfinished: "no end yet", running: "running" }[outcome] ?? outcome;
   badge.dataset.outcome = outcome;
-  badge.title = outcome === "running" ? `the page is renewed every ${short(report.watch)} s` : outcome === "unfinished" ? "the run continues, or was killed" : summary.message || "";
+  badge.title = outcome === "running" ? `the page is renewed every ${short(report.watch)} s` : outcome === "unfinished" ? "the run continues, or was killed" : summary?.message || "";
   const frames = result.frames.length < result.framesInResult
     ? `${grouped(result.frames.length)} of ${grouped(result.framesInResult)} frames` : `${grouped(result.frames.length)} frames`;
   const facts = [`${grouped(result.cells)} tetrahedra (P${result.order})`, `${grouped(result.nodes)} nodes`];
@@ -62,7 +65,8 @@ function table(title, rows) {
   return element("article", {}, element("h2", { textContent: title }), made);
 }
 
-export function showRun(to, { summary }) {
+export function showRun(to, { summary, result }) {
+  if (hasModes(result)) to.append(table("Modes", result.frames.map((frame) => frame.label.split(", "))));
   if (!summary) return;
   const { seconds, steps, solver, worst_step: worst, message } = summary;
   if (message) to.append(element("article", { className: "wide" }, element("h2", { textContent: "Why it ended" }), element("p", { textContent: message })));

@@ -108,7 +108,7 @@ class Package(unittest.TestCase):
             return {line.split()[5][1:] for line in run("dpkg-deb", "-c", file).splitlines()}
 
         needed = fields(of_program)
-        for start in ("libpetsc-real3", "libgmsh4", "libopenmpi3", "libhdf5-openmpi", "libyaml-cpp", "libfmt", "libmuparser",
+        for start in ("libpetsc-real3", "libslepc-real3", "libgmsh4", "libopenmpi3", "libhdf5-openmpi", "libyaml-cpp", "libfmt", "libmuparser",
                       "libudunits2", "libmetis", "libc6", "libstdc++6", "openmpi-bin",
                       *(f"python3-{module}" for module in imported_modules())):
             self.assertTrue(any(name.startswith(start) for name in needed), f"{start} is not among {needed}")

@@ -87,7 +87,7 @@ class Commands(ProgramTest):
     def test_version(self):
         for ranks in (1, 2):
             text = self.text("--version", ranks=ranks)
-            for name in ("pliant", "PETSc", "MUMPS", "HDF5", "gmsh", "MPI"):
+            for name in ("pliant", "PETSc", "SLEPc", "MUMPS", "HDF5", "gmsh", "MPI"):
                 self.assertRegex(text, rf"(?m)^ *{name} .*\d+\.\d+")
                 self.assertEqual(len(re.findall(rf"(?m)^ *{name} ", text)), 1, "told by one rank")
 

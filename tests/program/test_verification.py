@@ -396,6 +396,16 @@ class Verification(ProgramTest):
         for axis, X, expected in zip("xyz", start, ("-23.5585", "-13.6040", "53.4718")):
             self.row(f"u_{axis} of the tip", f"{expected} m", h[f"tip_{axis}"][-1] - X, 1e-3)
 
+    def test_free_ball(self):
+        """Each eigenvalue has five modes; the numbers are w a / c, c the speed of shear waves."""
+        self.about("free_ball", "as given", 24)
+        self.pliant("modes", INPUTS / "free_ball.yaml", "--number", "16", "--output", "modes")
+        f = np.genfromtxt(self.directory / "modes/modes.csv", delimiter=",", names=True)["frequency"]
+        self.assertEqual(f[:6].tolist(), [0.0] * 6)
+        for name, modes, expected in (("torsional", f[6:11], "2.501133"), ("spheroidal", f[11:16], "2.639869")):
+            self.assertLess(np.ptp(modes), 2e-3 * modes.mean())
+            self.row(f"frequency of the five {name} modes, mean", expected, 2 * np.pi * modes.mean(), 0.005)
+
     def test_beam_theory(self):
         h = self.history("slender_beam")
         self.about("slender_beam", "as given", 7)

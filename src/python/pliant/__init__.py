@@ -11,8 +11,9 @@ from .error import PliantError
 from .history import History
 from .result import Field, Frame, Joint, Line, Mechanisms, Mesh, Obstacles, Result, von_mises
 from .runs import Run, resume, run
-from .studies import Fit, Gradient, Sensitivity, fit, gradient, sensitivity
+from .studies import Fit, Gradient, Modes, Sensitivity, fit, gradient, modes, sensitivity
 from .surface import Surface
 
-__all__ = ["Checkpoint", "Field", "Fit", "Frame", "Gradient", "History", "Joint", "Line", "Mechanisms", "Mesh", "Obstacles", "PliantError",
-           "Result", "Run", "Sensitivity", "Surface", "fit", "gradient", "resume", "run", "sensitivity", "von_mises"]
+__all__ = ["Checkpoint", "Field", "Fit", "Frame", "Gradient", "History", "Joint", "Line", "Mechanisms", "Mesh", "Modes", "Obstacles",
+           "PliantError", "Result", "Run", "Sensitivity", "Surface", "fit", "gradient", "modes", "resume", "run", "sensitivity",
+           "von_mises"]

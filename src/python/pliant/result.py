@@ -108,10 +108,11 @@ class Frame:
         self.name = name  #: its group in result.h5: "000012"
         self.time = float(group.attrs["time"])  #: [s]; of a static run the load factor
         self.step = int(group.attrs["step"])
+        self.label = text(group.attrs.get("label", ""))  #: "mode 3, 12.4 Hz" where a frame is a mode; else empty
         self.mesh_group = text(group.attrs.get("mesh", "/mesh"))
 
     def __repr__(self) -> str:
-        return f"Frame(time={self.time:g}, step={self.step})"
+        return f"Frame({self.label})" if self.label else f"Frame(time={self.time:g}, step={self.step})"
 
     @property
     def mesh(self) -> Mesh:

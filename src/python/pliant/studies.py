@@ -1,4 +1,4 @@
-"""Derivatives of runs, and fits: what `pliant sensitivity` and `pliant fit` find, in numpy."""
+"""Modes, derivatives of runs, and fits: what `pliant modes`, `pliant sensitivity` and `pliant fit` find, in numpy."""
 import csv
 import dataclasses
 import os
@@ -8,6 +8,7 @@ from typing import Any, Optional
 import numpy as np
 
 from .error import PliantError
+from .result import Result
 from .runs import Path, completed, settings_of
 
 NOT_CONVERGED = 1  # exit code of the program
@@ -46,6 +47,24 @@ class Gradient:
 
 
 @dataclasses.dataclass(frozen=True)
+class Modes:
+    """Natural frequencies and mode shapes, the lowest first; SI units."""
+
+    directory: str
+    frequency: np.ndarray  #: (n,) [Hz]; 0 of rigid and of unstable modes
+    eigenvalue: np.ndarray  #: (n,) the square of the angular frequency [1/s^2]; negative of unstable modes
+    growth_rate: np.ndarray  #: (n,) of unstable modes, which grow as exp(growth_rate * t) [1/s]; 0 of the others
+    damping_ratio: np.ndarray  #: (n,) of the critical damping; NaN without viscosity
+    effective_mass: np.ndarray  #: (n, 3) along x, y, z, parts of the whole mass
+    shapes: np.ndarray = dataclasses.field(repr=False)  #: (n, num_nodes, 3) [1/sqrt(kg)], in the order of the nodes of `result`
+
+    @property
+    def result(self) -> Result:
+        """The mesh, and a frame for each mode."""
+        return Result(self.directory)
+
+
+@dataclasses.dataclass(frozen=True)
 class Fit:
     """What measurements say about numbers; SI units."""
 
@@ -55,6 +74,26 @@ class Fit:
     units: "dict[str, str]"
     converged: bool
     log: str = dataclasses.field(repr=False)  #: what the program printed
+
+
+def modes(source: Path, *, number: int = 10, near: Optional[float] = None, unloaded: bool = False,
+          overrides: "Optional[Mapping[str, Any]]" = None, output: Path = "out/modes", ranks: int = 1, petsc_options: Sequence[str] = (),
+          timeout: Optional[float] = None) -> Modes:
+    """The natural frequencies and mode shapes of an input file: the lowest, or those nearest to the frequency `near` [Hz]. With
+    `time.method: static` they are those about the equilibrium under load, unless `unloaded`.
+
+        m = pliant.modes("beam.yaml", number=4)
+        m.frequency, m.shapes[0]
+
+    PliantError with the program's message if it fails; subprocess.TimeoutExpired if it takes too long.
+    """
+    directory = os.path.abspath(output)
+    arguments = ["--number", str(number), *(["--near", repr(float(near))] if near is not None else []), *["--unloaded"] * unloaded]
+    completed(["modes", os.fspath(source), *arguments, *settings_of(overrides, output)], ranks, petsc_options, timeout)
+    table = _table(directory, "modes.csv", True)
+    mass = np.stack([table[f"effective_mass_{axis}"] for axis in "xyz"], axis=1)
+    shapes = np.stack([frame["mode_shape"] for frame in Result(directory).frames])
+    return Modes(directory, table["frequency"], table["eigenvalue"], table["growth_rate"], table["damping_ratio"], mass, shapes)
 
 
 def sensitivity(source: Path, *, of: Sequence[str], to: Sequence[str], overrides: "Optional[Mapping[str, Any]]" = None,

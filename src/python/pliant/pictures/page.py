@@ -54,14 +54,14 @@ class Page:
     def scene_size(self):
         return self.size[0] - self.bar_width, self.size[1] - self.header
 
-    def compose(self, pixels, time):
+    def compose(self, pixels, instant):
         page = Image.new("RGB", self.size, BACKGROUND)
         scene = Image.fromarray(pixels).resize(self.scene_size, Image.LANCZOS)
         page.paste(scene, (0, self.header))
         draw = ImageDraw.Draw(page)
         h = self._unit
         draw.text((4 * h, 4.4 * h), self._title, INK, font(3.4 * h, bold=True))
-        draw.text((self.size[0] - 4 * h, 4.6 * h), f"t = {time}", INK, font(3.0 * h), anchor="ra")
+        draw.text((self.size[0] - 4 * h, 4.6 * h), instant, INK, font(3.0 * h), anchor="ra")
         if self._quantity is not None:
             (self._draw_names if self._quantity.names else self._draw_bar)(page, draw)
         return page
@@ -121,12 +121,12 @@ def _typeset(unit):
     return re.sub(r"\^(-?\d+)", lambda match: _superscript(match[1]), unit).replace("*", "·")
 
 
-def times_as_text(frames):
-    """Times with as many decimals as distinguish neighbouring frames, in a handy unit."""
+def instants_as_text(frames):
+    """Times with as many decimals as distinguish neighbouring frames, in a handy unit; of frames that have labels, these."""
     times = np.array([frame.time for frame in frames])
     last = abs(times).max()
     factor, unit = (1, "s") if last >= 0.1 or last == 0 else (1e3, "ms") if last >= 1e-4 else (1e6, "µs")
     times = times * factor
     gap = np.diff(np.unique(times)).min() if len(np.unique(times)) > 1 else max(abs(times).max(), 1) / 100
     decimals = int(np.clip(np.ceil(-np.log10(gap) + 0.001), 0, 6))
-    return [f"{t:.{decimals}f} {unit}" for t in times]
+    return [frame.label or f"t = {t:.{decimals}f} {unit}" for frame, t in zip(frames, times)]

@@ -2,7 +2,7 @@
 import numpy as np
 
 from .camera import fitted_camera
-from .page import Page, times_as_text
+from .page import Page, instants_as_text
 from .scene import Scene
 from .shown import TRANSPARENT, Shown
 
@@ -16,7 +16,7 @@ class Renderer:
         self._scenes = {}
         title = options.title if options.title is not None else result.title
         self._page = Page(options.size, title, shown.quantity, shown.colours)
-        self._times = dict(zip((frame.name for frame in result.frames), times_as_text(result.frames)))
+        self._instants = dict(zip((frame.name for frame in result.frames), instants_as_text(result.frames)))
         clouds = [*shown.clouds(), *shown.near_obstacles()]
         clouds += [mechanisms.cloud() for mechanisms in map(shown.mechanisms, shown.sample()) if mechanisms is not None]
         self._camera = fitted_camera(options.view, clouds, self._page.scene_size)
@@ -45,4 +45,4 @@ class Renderer:
         shown = self._shown
         pixels = self._scene(frame).draw(shown.positions(frame), shown.colours_of(frame), shown.is_by_face, shown.obstacle_points(frame),
                                          shown.mechanisms(frame))
-        return self._page.compose(pixels, self._times[frame.name])
+        return self._page.compose(pixels, self._instants[frame.name])
