@@ -82,7 +82,7 @@ async function start() {
   await panel.paint();
   player.listen((time) => view.set({ time }));
   view.aim(VIEWS.iso);
-  player.seek(player.end);
+  player.seek(player.hasLabels ? player.start : player.end);
   await watch({ player, view, panel, points, picture });
   // For those who drive the page from outside.
   window.pliant = { player, view, panel, bodies, history, points, picture, items };
