@@ -57,7 +57,8 @@ MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
     throw MeshDefect(
         "refine does not support curved second-order elements: mesh it finer in gmsh, or use first-order elements");
   }
-  require_enough_cells(static_cast<std::int64_t>(parts.mesh.num_cells()), num_parts);
+  const auto num_cells = static_cast<std::int64_t>(parts.mesh.num_cells());
+  source.file.empty() ? require_enough_added_cells(num_cells, num_parts) : require_enough_cells(num_cells, num_parts);
   const DualGraph graph(parts.mesh);
   check_connections(parts.mesh, graph, parts.num_vertices, added, report);
   parts.part = graph.partition(num_parts, report.edge_cut);

@@ -52,4 +52,10 @@ void require_enough_cells(std::int64_t num_cells, int num_ranks) {
                    " ranks, but every rank needs at least one: use fewer ranks or a finer mesh");
 }
 
+void require_enough_added_cells(std::int64_t num_cells, int num_ranks) {
+  if (num_cells >= num_ranks) return;
+  throw MeshDefect("rods and rigid bodies make " + std::to_string(num_cells) + " cells for " +
+                   std::to_string(num_ranks) + " ranks, but every rank needs at least one: use fewer ranks");
+}
+
 }  // namespace pliant

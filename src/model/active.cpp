@@ -9,6 +9,21 @@
 #include <fmt/format.h>
 
 namespace pliant {
+namespace {
+
+/// The largest of the amounts over all ranks; infinite if any is not finite.
+double largest_of(const PerPoint<Pack>& amounts, MPI_Comm comm) {
+  double largest = -HUGE_VAL;
+  for (const Pack& amount : amounts.values) {
+    for (int lane = 0; lane < pack_size; ++lane) {
+      largest = std::isfinite(amount[lane]) ? std::max(largest, amount[lane]) : HUGE_VAL;
+      if (largest == HUGE_VAL) return maximum(comm, largest);
+    }
+  }
+  return maximum(comm, largest);
+}
+
+}  // namespace
 
 template <int Order>
 ActiveParts make_active_parts(const BodyConfig& config, const ActiveBody<Order>& on) {
@@ -53,6 +68,26 @@ void require_positive_stretches(const Config& config, MPI_Comm comm,
                      fmt::format("the stretch must be > 0 in the whole body; at t = {:g} it is {:.4g}. 1 means no "
                                  "expansion, 1.02 makes free lengths 2 % longer",
                                  time, smallest));
+  }
+}
+
+void require_possible_contractions(const Config& config, MPI_Comm comm,
+                                   std::span<const std::shared_ptr<const Activation>> activations, double time) {
+  for (std::size_t b = 0; b < activations.size(); ++b) {
+    if (!activations[b]) continue;
+    const double largest = largest_of(activations[b]->amounts({.time = time}), comm);
+    const ActiveConfig& active = *config.bodies[b].active;
+    const bool shortens = std::holds_alternative<ActiveConfig::Shortening>(active.contraction);
+    if (largest == HUGE_VAL) {
+      throw InputError(active.where, fmt::format("the {} is not finite at t = {:g}",
+                                                 shortens ? "shortening" : "active stress", time));
+    }
+    if (!shortens || largest < 1.0) continue;
+    throw InputError(
+        active.where,
+        fmt::format("the shortening must be below 1 in the whole body; at t = {:g} it is {:.4g}. 0.2 makes "
+                    "fibres 20 % shorter",
+                    time, largest));
   }
 }
 

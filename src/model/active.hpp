@@ -31,6 +31,11 @@ struct ActiveParts {
 void require_positive_stretches(const Config& config, MPI_Comm comm,
                                 std::span<const std::shared_ptr<const FreeExpansion>> expansions, double time);
 
+/// Throws InputError if a contraction of `activations`, per body of `config`, is not finite somewhere at a time, or
+/// fibres shorten by all of their length. Collective.
+void require_possible_contractions(const Config& config, MPI_Comm comm,
+                                   std::span<const std::shared_ptr<const Activation>> activations, double time);
+
 /// Throws InputError. Not collective.
 template <int Order>
 ActiveParts make_active_parts(const BodyConfig& config, const ActiveBody<Order>& on);

@@ -19,7 +19,7 @@ MeshSource mesh_source(const Config& given) {
   std::vector<std::string> curves = curves_of_tendons(config);
   std::ranges::move(curves_of_rods(config), std::back_inserter(curves));
   return {config.mesh.file.value,
-          config.mesh.file.where,
+          config.mesh.file.value.empty() ? Location{config.file, 0, 0} : config.mesh.file.where,
           size,
           config.mesh.scale,
           config.mesh.refine,

@@ -97,15 +97,6 @@ void Model::include(std::vector<Diagnostic> found) {
   std::ranges::move(found, std::back_inserter(diagnostics_));
 }
 
-void Model::include_waves(const ElasticLawSpec& law, double density) {
-  if (density <= 0.0) return;
-  const WaveModuli moduli = wave_moduli(law);
-  const double largest =
-      std::isfinite(moduli.largest) ? moduli.largest : moduli.smallest;  // incompressible: shear only
-  wave_speeds_.fastest = std::max(wave_speeds_.fastest, std::sqrt(largest / density));
-  wave_speeds_.slowest = std::min(wave_speeds_.slowest, std::sqrt(moduli.smallest / density));
-}
-
 template <int Order>
 void Model::build_cells(const Config& config, const Mesh& mesh) {
   std::vector<std::optional<ElasticityRule>> rules;  // of bodies that are not rigid
@@ -138,6 +129,7 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
   std::vector<VolumeOfPoints> found(rules.size());
   laws_.resize(rules.size());
   expansions_.resize(rules.size());
+  activations_.resize(rules.size());
   on_every_rank(layout_.comm, [&] {
     for (std::size_t b = 0; b < rules.size(); ++b) {
       const int body = static_cast<int>(b);
@@ -147,8 +139,9 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
       const auto law_at = [&](PetscInt cell, const std::array<double, 3>& X) {
         ElasticLawSpec law = rule.law_at(cell, X);
         if (!is_mixed) require_compressible(law, config.bodies[b].elasticity->where);
-        include_waves(law, densities_[b]);
-        shear_moduli_[b] = std::max(shear_moduli_[b], wave_moduli(law).smallest);
+        const WaveModuli moduli = wave_moduli(law);
+        wave_speeds_.include(moduli, densities_[b]);
+        shear_moduli_[b] = std::max(shear_moduli_[b], moduli.smallest);
         return law;
       };
       const ActiveParts active = make_active_parts<Order>(config.bodies[b], {cell_data, layout_, groups, body});
@@ -156,6 +149,7 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
         active_.push_back(make_active_stress_term<Order>(active.tension, groups, body, layout_.num_owned_nodes));
       }
       expansions_[b] = active.shape.expansion;
+      activations_[b] = active.tension ? active.tension : active.shape.shortening;
       auto parts =
           make_elastic_parts<Order>({config, rule, layout_, groups, body, pressures_.get()}, law_at, active.shape);
       found[b] = parts.volume;
@@ -399,6 +393,7 @@ void Model::require_finite(double time) const {
   loads_->require_finite(time);
   constraints_->require_finite(time);
   require_positive_stretches(config_, layout_.comm, expansions_, time);
+  require_possible_contractions(config_, layout_.comm, activations_, time);
   require_finite_formulas(config_, time);
 }
 

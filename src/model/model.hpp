@@ -18,6 +18,7 @@
 #include "model/rods.hpp"
 #include "model/springs.hpp"
 #include "model/tendons.hpp"
+#include "model/wave_speeds.hpp"
 
 #include <functional>
 #include <memory>
@@ -26,12 +27,6 @@
 #include <vector>
 
 namespace pliant {
-
-/// Wave speeds of the materials, for warnings.
-struct WaveSpeeds {
-  double fastest = 0.0;  ///< pressure waves of the stiffest body [m/s]
-  double slowest = 0.0;  ///< shear waves of the softest body [m/s]
-};
 
 class Model;
 
@@ -95,7 +90,8 @@ class Model {
   /// depend; the constructor does so for its own. Invalidates earlier results of `potential()`. Collective.
   void prepare(const Config& config);
 
-  /// Throws InputError at a load or a prescribed displacement that is not finite at the time [s]. Collective.
+  /// Throws InputError at a load, a prescribed displacement, an expansion or a contraction that is not finite at the
+  /// time [s]. Collective.
   void require_finite(double time) const;
 
   /// The terms of viscosity for the method of `config`, which has the bodies of the model. Not collective.
@@ -130,8 +126,6 @@ class Model {
     diagnostics_.push_back({Severity::warning, where, std::move(message)});
   }
   void include(std::vector<Diagnostic> found);
-  /// Widens the range of wave speeds.
-  void include_waves(const ElasticLawSpec& law, double density);
   template <int Order>
   void build_cells(const Config& config, const Mesh& mesh);
   template <int Order>
@@ -149,6 +143,7 @@ class Model {
   std::variant<CellGroups<1>, CellGroups<2>> cells_;
   std::vector<std::shared_ptr<const LawField>> laws_;             // of each body: elastic, or its part without volume
   std::vector<std::shared_ptr<const FreeExpansion>> expansions_;  // of each body; nullptr: none
+  std::vector<std::shared_ptr<const Activation>> activations_;    // of each body; nullptr: none
   std::vector<std::unique_ptr<ElasticTerm>> elastic_;
   std::vector<int> bodies_of_elastic_;
   std::vector<std::unique_ptr<EnergyTerm>> softening_;

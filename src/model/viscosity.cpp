@@ -35,14 +35,14 @@ struct LawInStrain {
   Result operator()(const MassProportional&) const { return std::nullopt; }
 };
 
-/// alpha rho of each body [kg/(s m^3)].
-std::vector<double> damping_densities(const Config& config) {
-  std::vector<double> densities;
-  for (const auto& body : config.bodies) {
-    double& density = densities.emplace_back(0.0);
+/// alpha rho of each body [kg/(s m^3)]; 0 of rods and of rigid bodies by their mass, which `config` may lack.
+std::vector<double> damping_densities(const Config& config, std::size_t num_bodies) {
+  std::vector<double> densities(num_bodies, 0.0);
+  for (std::size_t b = 0; b < config.bodies.size(); ++b) {
+    const BodyConfig& body = config.bodies[b];
     for (const auto& mechanism : body.viscosity) {
       const auto* law = std::get_if<MassProportional>(&mechanism.law);
-      if (law != nullptr) density += law->decay_rate * body.density.value_or(0.0);
+      if (law != nullptr) densities[b] += law->decay_rate * body.density.value_or(0.0);
     }
   }
   return densities;
@@ -67,7 +67,7 @@ std::vector<std::unique_ptr<EnergyTerm>> make_terms(const Config& config, const 
     terms.push_back(make_prony_term<Order>(std::move(branches), on.elastic[b], groups, static_cast<int>(b),
                                            on.layout.num_owned_nodes, on.expansions[b]));
   }
-  const auto damping = damping_densities(config);
+  const auto damping = damping_densities(config, on.elastic.size());
   if (std::ranges::any_of(damping, [](double density) { return density > 0.0; })) {
     const Mass mass = config.mass == MassKind::lumped ? Mass::lumped : Mass::consistent;
     terms.push_back(

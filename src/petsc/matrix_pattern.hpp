@@ -20,6 +20,9 @@ inline PetscObjectId pattern_id(Mat matrix) {
 /// PETSc may not notice; it takes that of `matrix` from now on. Not collective.
 bool takes_new_pattern(PetscObject object, Mat matrix);
 
+/// Makes the pattern of the next matrix a new one for the object.
+void forget_pattern(PetscObject object);
+
 /// Which matrices have the present pattern of an equation. All that were made before the pattern changed for the first
 /// time have it until then; solvers keep the matrix that they were given, whatever its pattern becomes.
 class PresentPattern {

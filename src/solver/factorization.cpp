@@ -192,6 +192,20 @@ bool Factorization::refine() {
   return true;
 }
 
+void Factorization::forget() {
+  const bool is_as_given = single_ && symmetry_ == given_symmetry_ && kind_ == given_kind_;
+  if (is_as_given || is_replaced()) return;
+  symmetry_ = given_symmetry_;
+  kind_ = given_kind_;
+  single_.reset();
+  blocks_.reset();
+  double_ = {};
+  multigrid_ = {};
+  of_multigrid_ = {};
+  ordering_ = pord;
+  if (kind_ == Kind::factors) single_.emplace(symmetry_);
+}
+
 void Factorization::factorize_whole() {
   symmetry_ = Symmetry::unsymmetric;
   single_.emplace(symmetry_);

@@ -24,7 +24,8 @@ class Factorization {
     adaptive  ///< multigrid, until `refine` asks for factors
   };
   /// `P`: the prolongation to the finest level of multigrid, if there is one.
-  Factorization(Symmetry symmetry, Kind kind, Mat P) : symmetry_(symmetry), kind_(kind), P_(shared(P)) {
+  Factorization(Symmetry symmetry, Kind kind, Mat P)
+      : given_symmetry_(symmetry), given_kind_(kind), symmetry_(symmetry), kind_(kind), P_(shared(P)) {
     if (kind == Kind::factors) single_.emplace(symmetry);
   }
 
@@ -42,6 +43,9 @@ class Factorization {
   bool is_of_symmetric_part() const { return single_ && symmetry_ == Symmetry::nearly_symmetric; }
   /// Makes all further set-ups more accurate; false if nothing better is available.
   bool refine();
+  /// Makes the next set-up the same as the first one of a new object: no aggregates of another matrix, nothing refined.
+  /// Multigrid that replaces a factorization for lack of memory stays.
+  void forget();
 
  private:
   static Handle<Mat> shared(Mat P) {
@@ -60,6 +64,8 @@ class Factorization {
   /// Works on a copy of K, since GAMG smooths with the matrix itself.
   void make_multigrid_of_petsc(Mat K);
 
+  Symmetry given_symmetry_;
+  Kind given_kind_;
   Symmetry symmetry_;
   Kind kind_;
   Handle<Mat> P_;

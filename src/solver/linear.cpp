@@ -186,6 +186,15 @@ SetUp set_up_preconditioner(PC pc, Mat K) {
   return outcome;
 }
 
+void forget_set_ups(PC pc) {
+  if (Factorization* factorization = factorization_of(pc)) {
+    factorization->forget();
+    check(PCReset(pc));  // as in refine_factorization
+  } else if (!is_factorization(pc)) {
+    forget_pattern(reinterpret_cast<PetscObject>(pc));
+  }
+}
+
 bool refine_factorization(PC pc) {
   Factorization* factorization = factorization_of(pc);
   if (factorization == nullptr || !factorization->refine()) return false;

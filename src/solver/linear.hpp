@@ -27,6 +27,10 @@ void set_krylov_method(KSP ksp, Symmetry symmetry);
 /// unless the user asked for the factorization or K is indefinite. Solve only if the outcome is `sound`. Collective.
 SetUp set_up_preconditioner(PC pc, Mat K);
 
+/// Makes the next set-up the same as the first one of a new solver: nothing remains of aggregates that multigrid has
+/// made for another matrix, nor of what `refine_factorization` has done. Collective.
+void forget_set_ups(PC pc);
+
 /// Makes all further set-ups more accurate: of the whole matrix instead of its symmetric part, in double precision,
 /// then with another ordering. Returns false if the preconditioner is not one of Pliant's factorizations, or nothing
 /// better is available. Collective.

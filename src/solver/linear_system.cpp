@@ -132,6 +132,7 @@ void LinearSystem::use_usual_krylov_method() {
 void LinearSystem::forget() {
   last_shift_ = 0.0;
   factor_.renew();
+  forget_set_ups(preconditioner_.get());
 }
 
 void LinearSystem::factorize(Vec q) {

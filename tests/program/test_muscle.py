@@ -71,6 +71,21 @@ class Contraction(ProgramTest):
         self.assertLess(losses[1], 0.3 * losses[0])
         self.assertLess(losses[1], 1e-2 * work)
 
+    def test_contractions_that_are_not_possible(self):
+        write_box(self.directory / "brick.msh", (2, 2, 2))
+        soon, later = "method: bdf2, step: 10 ms, end: 0.02", "method: bdf2, step: 10 ms, end: 0.1"
+        for active, time, code, message in (
+                ('stress: "sqrt(0.5 - x)"', soon, 2, "brick.yaml:5:13: the active stress is not finite at t = 0"),
+                ('shortening: "sqrt(0.5 - x)"', "method: static", 2, "brick.yaml:5:13: the shortening is not finite at t = 0"),
+                ('shortening: "0.5 + x"', soon, 2, "brick.yaml:5:13: the shortening must be below 1 in the whole body; at t = 0 it is 1."),
+                ('stress: "1e3*sqrt(0.025 - t)"', later, 3, "the active stress is not finite at t = 0.0"),
+                ('shortening: "40*t"', later, 3, "the shortening must be below 1 in the whole body; at t = 0.0")):
+            file = self.write("brick.yaml", FREE % (active, time))
+            for ranks in swept((1, 2, 3), (1,) if code == 3 else (3,)):
+                done = self.call("run", file, ranks=ranks)
+                self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+                self.assertIn(message, done.stderr)
+
     def test_books_of_a_slow_contraction_balance(self):
         losses = []
         for step in (0.1, 0.05):

@@ -119,6 +119,9 @@ class Continuation(RestartTest):
             "contact": ("contact={obstacles: [{name: floor, friction: 0.4, shape: plane, point: [0, 0, -2 mm], normal: [0, 0, 1]}]}",
                         "constraints=[]", "initial={velocity: [1, 0, -0.5]}", "time.end=0.06"),
             "HDF5 mesh": ("mesh.file=box.h5", "time.end=0.06"),
+            "multigrid": ("solver.linear=amg", "mesh.refine=2", "time.end=0.06"),
+            "multigrid of an unsymmetric matrix": ("solver.linear=amg", "time.end=0.06", "loads=[{surface: top, pressure: 500}]"),
+            "multigrid with pressures": ("solver.linear=amg", "time.end=0.06", "volumetric=mixed"),
             # On three ranks one of them has tensors alone, another single numbers alone.
             "two memories": ("mesh.file=two.msh", "time.end=0.06",
                              "bodies=[{volume: near, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 50 kPa, "

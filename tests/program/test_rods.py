@@ -149,6 +149,13 @@ solver: {newton: {relative: 1e-12}}
         self.write("in.yaml", SHAKEN + "time: {method: bdf2, step: 2 ms, end: 0.2, startup: dirk33}\n")
         self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", ALL_OR_SOME)
 
+    def test_more_ranks_than_segments(self):
+        self.write("in.yaml", SHAKEN + "time: {method: dirk22, step: 5 ms, end: 0.1}\n")
+        done = self.call("run", "in.yaml", ranks=16)
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        self.assertRegex(done.stderr, r"(?m)^in.yaml: rods and rigid bodies make \d+ cells for 16 ranks, but every rank needs at least "
+                         "one: use fewer ranks$")
+
     def test_ranks_and_restart(self):
         for text in swept((SHAKEN, JOINED), (JOINED,)):
             time = "method: dirk22, step: 5 ms, end: 0.1"
