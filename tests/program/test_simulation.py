@@ -199,6 +199,75 @@ class TestChanges(SimulationTest):
             self.assert_near(row | {"load_work": row["load_work"] - row["load_potential"]}, expected, 1e-6)
             self.assertLess(abs(row["energy_balance_error"]), 1e-7 * row["elastic_energy"])
 
+    # (lines of the input, key, value at the start, value from 0.03 s on)
+    FORCES = (
+        ("loads: [{surface: right, pressure: VALUE}]", "loads.0.pressure", "0", "30 kPa"),
+        ("loads: [{gravity: [0, 0, VALUE]}]", "loads.0.gravity.2", "-1", "-9.81"),
+        ("tendons: [{name: pull, points: [[0, 0.1, 0.15], [1, 0.1, 0.15]], tension: VALUE}]", "tendons.pull.tension", "10", "100 N"),
+        ("tendons: [{name: pull, points: [[0, 0.1, 0.15], [1, 0.1, 0.15]], stiffness: 1000, pull: VALUE}]", "tendons.pull.pull", "1e-3", "0.1"),
+        ("loads: [{surface: right, force: [0, 0, \"50*y + VALUE\"]}]", "loads.0.force.2", "0", "9"),
+        ("rigid_bodies: [{name: wheel, mass: 1, inertia: [1, 1, 1], center: [0, 0, 2]}]\njoints: [{name: axle, type: hinge, "
+         "between: [ground, wheel], point: [0, 0, 2], axis: [1, 0, 0], motor: {target: VALUE, stiffness: 20, damping: 1}}]",
+         "joints.axle.motor.target", "0", "0.5"),
+        ("rigid_bodies: [{name: wheel, mass: 1, inertia: [1, 1, 1], center: [0, 0, 2]}]\njoints: [{name: axle, type: hinge, "
+         "between: [ground, wheel], point: [0, 0, 2], axis: [1, 0, 0]}]\nloads: [{volume: wheel, torque: [VALUE, 0, 0]}]",
+         "loads.0.torque.0", "1", "-2"),
+        ("active", "bodies.0.active.stress", "1e3", "40 kPa"),
+        ("expansion", "bodies.0.expansion.stretch", "1", "1.05"),
+    )
+    IN_BODY = {"active": "active: {fibre: [1, 0, 0], stress: VALUE}", "expansion": "expansion: {stretch: VALUE}"}
+    # Likewise, in addition to what holds the left side; motions that are reached from 0.03 s to 0.04 s.
+    MOTIONS = (
+        ("{surface: right, normal_displacement: VALUE}", "constraints.1.normal_displacement", "0", "-20 mm"),
+        ("{surface: right, displacement_along: VALUE, direction: [1, 1, 0]}", "constraints.1.displacement_along", "1 mm", "20 mm"),
+        ("{surface: right, rigid: {translation: [0, 0, 0], rotation: {axis: [1, 0, 0], angle: VALUE}}}",
+         "constraints.1.rigid.rotation.angle", "0", "0.5"),
+        ("{surface: right, rigid: {translation: [0, 0, VALUE], rotation: free}}", "constraints.1.rigid.translation.2", "0", "0.05"),
+        ("{equation: [{surface: right, component: z}], value: VALUE}", "constraints.1.value", "0", "0.05"),
+        ("contact", "contact.obstacles.press.motion.translate.2", "0", "-30 mm"),
+    )
+    PRESS = """contact:
+  law: penalty
+  friction: 0.3
+  obstacles: [{name: press, shape: plane, point: [0, 0, 0.201], normal: [0, 0, -1], motion: {translate: [0, 0, VALUE]}}]
+constraints: [{surface: left, displacement: [0, 0, 0]}, {surface: bottom, displacement: [free, free, 0]}]
+"""
+
+    def test_every_kind_of_load_as_by_a_formula(self):
+        for lines, key, before, after in self.FORCES:
+            with self.subTest(lines):
+                time = "method: backward-euler, step: 10 ms, end: 50 ms"
+                si = {"30 kPa": "30e3", "100 N": "100", "40 kPa": "40e3"}.get(after, after)
+                formula = f"(t < 0.03 ? {before} : {si})"
+                text = BODY.replace("0.4}}", f"0.4}}, {self.IN_BODY[lines]}}}") if lines in self.IN_BODY else BODY + lines + "\n"
+                # In the middle of a formula there are quotes already.
+                quoted = text.replace("VALUE\"", formula + "\"").replace("VALUE", f"\"{formula}\"")
+                expected = self.solve(quoted, time)
+                value = after if "50*y" not in lines else "50*y + 9"
+                row = self.driven(text.replace("VALUE", before) + f"time: {{{time}}}\n", key, value, 0.03)
+                self.assert_same_motion(row, expected)
+
+    def test_every_kind_of_motion_as_by_a_formula(self):
+        for lines, key, before, after in self.MOTIONS:
+            with self.subTest(lines):
+                time = "method: quasistatic, step: 10 ms, end: 50 ms"
+                low, high = (float(value.split()[0]) * (1e-3 if "mm" in value else 1) for value in (before, after))
+                formula = f"\"{low} + {high - low}*min(max((t - 0.03)/0.01, 0), 1)\""
+                text = BODY.replace("}]\nprobes", f"}}, {lines}]\nprobes")
+                if lines == "contact":
+                    text = BODY.replace("constraints: [{surface: left, displacement: [0, 0, 0]}]\n", self.PRESS)
+                expected = self.solve(text.replace("VALUE", formula), time)
+                row = self.driven(text.replace("VALUE", before) + f"time: {{{time}}}\n", key, after, 0.03)
+                self.assertGreater(abs(expected["elastic_energy"]).max(), 0.1)
+                self.assert_same_motion(row, expected)
+
+    def assert_same_motion(self, row, expected):
+        told = {"load_work", "load_potential", "newton_iterations", "linear_iterations", "energy_balance_error", "numerical_dissipation"}
+        for name in set(expected) - told:
+            kind = name.rstrip("xyz")
+            scale = max(abs(expected[other]).max() for other in expected if other.rstrip("xyz") == kind)
+            self.assertLessEqual(abs(row[name] - expected[name][-1]), 1e-6 * scale + 1e-10, name)
+
     def test_balance_of_energy_when_a_constant_load_changes(self):
         with pliant.Simulation(FALLING + BDF2) as sim:
             for k in range(5):
