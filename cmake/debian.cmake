@@ -16,7 +16,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)  # dpkg-shlibdeps finds what the 
 # What `import pliant` imports is needed, so that it does not fail; `pliant render` and `pliant plot` say what they need besides.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "openmpi-bin, python3-h5py, python3-numpy, python3-yaml")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS libopenblas0-pthread)  # the slow reference BLAS satisfies PETSc too
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "gmsh, paraview, python3-vtk9, python3-matplotlib, python3-pil, ffmpeg, xvfb")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "gmsh, paraview, python3-mpi4py, python3-vtk9, python3-matplotlib, python3-pil, ffmpeg, xvfb")
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libpliant-dev)
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "${PROJECT_DESCRIPTION}: libraries

@@ -9,6 +9,10 @@ if(PLIANT_NATIVE)
   # The size of a pack is part of every interface: programs on the installed libraries take the same instruction set.
   target_compile_options(pliant_options INTERFACE -march=native)
 endif()
+# Python's module and that of gmsh are shared libraries of these layers. Debian's g++ makes position-independent executables
+# anyway; without interposition the code is the same.
+target_compile_options(pliant_options INTERFACE $<BUILD_INTERFACE:-fno-semantic-interposition>)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 if(PLIANT_SANITIZE)
   # Under the sanitizers g++ 12 warns of its own vector intrinsics. The checks of each pointer let a file of kernels take
   # minutes and gigabytes to compile, and find nothing that the address sanitizer does not.
@@ -64,12 +68,39 @@ function(pliant_gmsh_module)
   add_library(pliant_gmsh MODULE ${sources})
   target_link_libraries(pliant_gmsh PRIVATE pliant_mesh ${GMSH_LIBRARY})
   set_target_properties(pliant_gmsh PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
-  foreach(layer base petsc mesh)
-    set_target_properties(pliant_${layer} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-    target_compile_options(pliant_${layer} PRIVATE -fno-semantic-interposition)
-  endforeach()
   # Programs on the installed libraries find it as pliant itself does.
   target_link_options(pliant_mesh INTERFACE $<INSTALL_INTERFACE:-Wl,-rpath,$<INSTALL_PREFIX>/lib/pliant>)
+endfunction()
+
+# src/binding/*.cpp as the module _pliant of Python, next to the package pliant; where pybind11 and Python's headers are.
+function(pliant_python_module)
+  option(PLIANT_PYTHON "Build the module of Python; needs pybind11" ON)
+  if(PLIANT_PYTHON)
+    if(NOT Python3_EXECUTABLE AND EXISTS /usr/bin/python3)
+      set(Python3_EXECUTABLE /usr/bin/python3)  # Debian's, for which its modules are; another one may come first on PATH
+    endif()
+    find_package(Python3 QUIET COMPONENTS Interpreter Development.Module)
+    find_path(PYBIND11_INCLUDE_DIR pybind11/pybind11.h)
+  endif()
+  if(NOT PLIANT_PYTHON OR NOT Python3_Development.Module_FOUND OR NOT PYBIND11_INCLUDE_DIR)
+    if(PLIANT_PYTHON)
+      message(STATUS "pybind11 or Python's headers were not found: there is no pliant.Simulation in Python")
+    endif()
+    return()
+  endif()
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/binding/*.cpp)
+  add_library(pliant_python MODULE ${sources})
+  target_link_libraries(pliant_python PRIVATE pliant_run Python3::Module)
+  target_include_directories(pliant_python SYSTEM PRIVATE ${PYBIND11_INCLUDE_DIR})
+  target_compile_options(pliant_python PRIVATE $<$<CONFIG:Release>:-O1>)
+  set_target_properties(
+    pliant_python PROPERTIES OUTPUT_NAME _pliant PREFIX "" SUFFIX ".${Python3_SOABI}.so" CXX_VISIBILITY_PRESET hidden
+    LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/python3/dist-packages)
+  # The symbols of the layers stay inside: another module may bring other versions of the same libraries.
+  target_link_options(pliant_python PRIVATE -Wl,--exclude-libs,ALL)
+  pliant_finds_gmsh(pliant_python)
+  set_target_properties(pliant_python PROPERTIES INSTALL_RPATH "$ORIGIN/../../pliant")
+  install(TARGETS pliant_python LIBRARY DESTINATION lib/python3/dist-packages COMPONENT program)
 endfunction()
 
 # pliant_finds_gmsh(<program>): the program finds that library, built or installed.

@@ -25,6 +25,7 @@ LAYERS = {
     "model": "input solver energy time fem mesh collision material petsc base",
     "run": "model input io solver energy time fem mesh material petsc base",
     "study": "run model input io solver energy time fem mesh material petsc base",
+    "binding": "run model input io solver energy time fem mesh material petsc base",
     "command": "study run model input io solver energy time fem mesh material petsc base",
 }
 # The rooms of a layer, folders in it, and which others of them each may include. Files outside the rooms are common to them: all
@@ -42,7 +43,7 @@ ROOMS = {
     },
 }
 # Sources that need no header: programs, and those that implement parts of another header still.
-WITHOUT_HEADER = {"command/main.cpp", "command/command_line_pictures.cpp", "command/command_line_studies.cpp", "solver/petsc_integrator_start.cpp"}
+WITHOUT_HEADER = {"binding/module.cpp", "command/main.cpp", "command/command_line_pictures.cpp", "command/command_line_studies.cpp", "solver/petsc_integrator_start.cpp"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
 
 

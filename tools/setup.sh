@@ -14,11 +14,11 @@ run_packages=(
   libpetsc-real-dev libslepc-real-dev libgmsh-dev gmsh libmetis-dev libhdf5-openmpi-dev libopenmpi-dev openmpi-bin
   libopenblas0-pthread libopenblas-dev libyaml-cpp-dev libcli11-dev libfmt-dev libmuparser-dev
   libudunits2-dev nlohmann-json3-dev libeigen3-dev libboost-dev zlib1g-dev
-  python3 python3-numpy python3-vtk9 python3-matplotlib python3-h5py python3-yaml python3-pil ffmpeg xvfb
+  python3 python3-dev pybind11-dev python3-numpy python3-vtk9 python3-matplotlib python3-h5py python3-yaml python3-pil ffmpeg xvfb
 )
 test_packages=(
   libgtest-dev libbenchmark-dev python3-jsonschema clang-format-14 clang-tidy-16 chromium python3-meshio
-  dpkg-dev file groff-base doxygen python3-sphinx python3-myst-parser furo
+  python3-mpi4py python3-petsc4py dpkg-dev file groff-base doxygen python3-sphinx python3-myst-parser furo
 )
 # The page of `pliant report` is put together by npm. Where there is one already it may come with a nodejs that is not
 # Debian's, which excludes Debian's npm.

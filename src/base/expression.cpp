@@ -265,9 +265,16 @@ Expression::Expression(const std::string& text, double factor) {
   }
 }
 
+/// What all copies of a replaceable formula follow.
+struct Expression::Source {
+  Expression current;
+  std::uint64_t version = 0;
+};
+
 Expression::Expression(const Expression& other)
-    : constant_(other.constant_),
-      formula_(other.formula_ ? std::make_unique<Formula>(other.formula_->text, other.formula_->factor) : nullptr) {}
+    : source_(other.source_), scale_(other.scale_), version_(other.version_) {
+  set(other, 1.0);
+}
 
 Expression& Expression::operator=(const Expression& other) {
   if (this != &other) *this = Expression(other);
@@ -278,7 +285,45 @@ Expression::Expression(Expression&&) noexcept = default;
 Expression& Expression::operator=(Expression&&) noexcept = default;
 Expression::~Expression() = default;
 
+void Expression::set(const Expression& from, double factor) const {
+  constant_ = factor * from.constant_;
+  formula_ = from.formula_ ? std::make_unique<Formula>(from.formula_->text, factor * from.formula_->factor) : nullptr;
+}
+
+void Expression::take_over() const {
+  if (version_ == source_->version) return;
+  set(source_->current, scale_);
+  version_ = source_->version;
+}
+
+Expression Expression::scaled(double factor) const {
+  Expression result = *this;
+  result.set(frozen(), factor);
+  result.scale_ = factor * scale_;
+  return result;
+}
+
+void Expression::make_replaceable() {
+  if (source_ != nullptr) return;
+  const Expression current = *this;
+  source_ = std::make_shared<Source>();
+  source_->current = current;
+}
+
+void Expression::replace(const Expression& by) const {
+  source_->current = by.frozen();
+  ++source_->version;
+}
+
+Expression Expression::frozen() const {
+  update();
+  Expression result;
+  result.set(*this, 1.0);
+  return result;
+}
+
 double Expression::operator()(double x, double y, double z, double t) const {
+  update();
   if (!formula_) return constant_;
   formula_->variables = {x, y, z, t};
   return formula_->factor * formula_->parser.Eval();
@@ -304,15 +349,19 @@ std::vector<double> Expression::kinks_at(const std::array<double, 3>& X, double 
 }
 
 bool Expression::depends_on_space() const {
+  update();
   return formula_ && formula_->uses_space;
 }
 bool Expression::depends_on_time() const {
+  update();
   return formula_ && formula_->uses_time;
 }
 bool Expression::is_zero() const {
+  update();
   return !formula_ && constant_ == 0.0;
 }
 std::string Expression::text() const {
+  update();
   return formula_ ? formula_->text : format_number(constant_);
 }
 

@@ -1,6 +1,7 @@
 /// Formulas in x, y, z and t, as users write them.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -21,7 +22,8 @@ class ExpressionError : public std::runtime_error {
 };
 
 /// A formula of the reference position x, y, z [m] and time t [s], evaluated by muParser; the constant `pi` is known.
-/// Copies are independent. Default: the constant 0.
+/// Copies are independent, except that a formula made replaceable is replaced in all copies made since, at once: so
+/// what a running simulation has copied from its input can change. Default: the constant 0.
 class Expression {
  public:
   Expression();
@@ -49,13 +51,37 @@ class Expression {
   bool depends_on_space() const;
   bool depends_on_time() const;
   bool is_zero() const;  ///< the constant 0
+  /// This formula times a number; replaceable with it.
+  Expression scaled(double factor) const;
+
+  void make_replaceable();
+  bool is_replaceable() const { return source_ != nullptr; }
+  /// Replaces the formula here and in all copies, however they are scaled. Only of one that is replaceable. `by` may
+  /// depend on the position only if the formula of the input does: integration points were chosen for that.
+  void replace(const Expression& by) const;
+  /// What it is now, not replaceable and without the link to its copies.
+  Expression frozen() const;
+
   /// The formula as written, without the factor; a constant is printed in full precision.
   std::string text() const;
 
  private:
   struct Formula;
-  double constant_ = 0.0;
-  std::unique_ptr<Formula> formula_;  // null for a constant
+  struct Source;
+
+  /// Takes over what `source_` holds, if that has changed.
+  void update() const {
+    if (source_ != nullptr) take_over();
+  }
+  void take_over() const;
+  void set(const Expression& from, double factor) const;
+
+  // Mutable: what a replaceable formula was last found to be.
+  mutable double constant_ = 0.0;
+  mutable std::unique_ptr<Formula> formula_;  // null for a constant
+  std::shared_ptr<Source> source_;            // null: not replaceable
+  double scale_ = 1.0;                        // of what the source holds
+  mutable std::uint64_t version_ = 0;         // of what was taken over
 };
 
 }  // namespace pliant

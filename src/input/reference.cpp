@@ -45,7 +45,8 @@ their `*`; a formula holds no units. Quote formulas: YAML reads `*` and `,` in i
 **Groups.** `surface`, `volume`, `curve` and `point` take the name or the tag of a gmsh physical group; `box` and `where`
 choose by reference position.
 
-**Changes from the command line.** `--set KEY.PATH=VALUE` sets any key; entries of lists count from 0:
+**Changes from the command line.** `--set KEY.PATH=VALUE` sets any key; entries of lists count from 0, and those
+with a `name` answer to it:
 `--set time.step=1ms --set bodies.0.density=900`.
 )md";
 

@@ -24,13 +24,16 @@ void relocate(InputNode& node, const Location& where) {
 InputNode* entry_of(InputNode& node, const std::string& part, const Location& where, Diagnostics& diagnostics) {
   using Kind = InputNode::Kind;
   if (node.kind == Kind::list) {
-    std::size_t index = 0;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
+    if (const InputNode* const found = entry_of_list(node, part)) return &node.children[found - node.children.data()];
     const std::size_t size = node.children.size();
-    if (error == std::errc{} && end == part.data() + part.size() && index < size) return &node.children[index];
-    diagnostics.add(where,
-                    "'" + excerpt(part) + "' does not name an entry of this list" +
-                        (size == 0 ? ", which is empty" : "; they are numbered from 0 to " + std::to_string(size - 1)));
+    std::string names;
+    for (const InputNode& child : node.children) {
+      const InputNode* const name = child.find("name");
+      if (name != nullptr) names += (names.empty() ? "; their names: " : ", ") + excerpt(name->text);
+    }
+    diagnostics.add(where, "'" + excerpt(part) + "' does not name an entry of this list" +
+                               (size == 0 ? ", which is empty"
+                                          : "; they are numbered from 0 to " + std::to_string(size - 1) + names));
     return nullptr;
   }
   if (node.kind == Kind::scalar) {
@@ -166,6 +169,19 @@ const InputNode* InputNode::find(std::string_view name) const {
   if (kind != Kind::map) return nullptr;
   const auto found = std::find_if(children.begin(), children.end(), [&](const InputNode& c) { return c.key == name; });
   return found == children.end() ? nullptr : &*found;
+}
+
+const InputNode* entry_of_list(const InputNode& list, std::string_view part) {
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
+  if (error == std::errc{} && end == part.data() + part.size()) {
+    return index < list.children.size() ? &list.children[index] : nullptr;
+  }
+  const auto found = std::ranges::find_if(list.children, [&](const InputNode& child) {
+    const InputNode* const name = child.find("name");
+    return name != nullptr && name->text == part;
+  });
+  return found == list.children.end() ? nullptr : &*found;
 }
 
 const InputNode* given(const InputNode& root, std::initializer_list<std::string_view> path) {

@@ -79,7 +79,11 @@ const InputNode* given(const InputNode& root, std::initializer_list<std::string_
 /// "a list", "a map of keys", "empty" or "'the text'", for messages.
 std::string description(const InputNode& node);
 
-/// A change of the input from the command line: --set KEY.PATH=VALUE. Numbers in the path count list entries from 0.
+/// The entry of a list that one part of a path means: its number, from 0, or else its `name`; nullptr if there is none.
+const InputNode* entry_of_list(const InputNode& list, std::string_view part);
+
+/// A change of the input from the command line: --set KEY.PATH=VALUE. Numbers in the path count list entries from 0;
+/// entries with a `name` answer to it, too.
 struct Override {
   std::string path;
   std::string value;

@@ -30,11 +30,6 @@ std::string support_name(const ConstraintConfig& constraint, std::size_t index) 
                                                           : fmt::format("constraint{}", index + 1);
 }
 
-Expression times(double factor, const Expression& e) {
-  if (e.depends_on_space() || e.depends_on_time()) return Expression(e.text(), factor);
-  return Expression(factor * e(0.0, 0.0, 0.0, 0.0));
-}
-
 /// The axis that the direction lies along; nothing if it lies along none.
 std::optional<int> axis_of(const Vector3<double>& direction) {
   for (int i = 0; i < 3; ++i) {
@@ -155,7 +150,7 @@ Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selecti
   const Expression value = given != nullptr ? given->displacement : Expression();  // symmetry: none
   if (const auto axis = axis_of(*normal)) {
     const auto i = static_cast<std::size_t>(*axis);
-    part.displacement.components[i] = times((*normal)[i] < 0.0 ? -1.0 : 1.0, value);
+    part.displacement.components[i] = value.scaled((*normal)[i] < 0.0 ? -1.0 : 1.0);
     part.is_prescribed = true;
   } else {
     part.displacement.components[0] = value;

@@ -37,6 +37,7 @@ class Constraints {
   Constraints& operator=(const Constraints&) = delete;
 
   const PrescribedDisplacement& prescribed() const { return *prescribed_; }
+  PrescribedDisplacement& prescribed() { return *prescribed_; }
   const std::vector<Support>& supports() const { return supports_; }
   const std::vector<ModelJoint>& joints() const { return joints_; }
   /// Notes of what was tied.

@@ -144,6 +144,19 @@ std::vector<DrivingFormula> driving_formulas(const Config& config) {
   return all;
 }
 
+std::vector<ReplaceableFormula> replaceable_formulas(Config& config) {
+  std::vector<ReplaceableFormula> result;
+  for (const DrivingFormula& driving : driving_formulas(config)) {
+    const auto is_flow = [&](const CavityConfig& cavity) {
+      const auto* liquid = std::get_if<CavityConfig::Liquid>(&cavity.content);
+      return liquid != nullptr && &liquid->flow == driving.formula;
+    };
+    if (std::ranges::any_of(config.cavities, is_flow)) continue;
+    result.push_back({const_cast<Expression*>(driving.formula), driving.kind});  // of this config, which may change
+  }
+  return result;
+}
+
 std::vector<Diagnostic> warnings_about_moving_kinks(const Config& config, const std::array<double, 6>& bounds) {
   struct Kink {
     double time;

@@ -17,6 +17,14 @@ struct DrivingFormula {
 };
 std::vector<DrivingFormula> driving_formulas(const Config& config);
 
+/// Those of them that may change while a simulation runs, in an order that depends on the input's structure alone. Not
+/// the flow of a liquid, whose integral over time is computed at the start.
+struct ReplaceableFormula {
+  Expression* formula = nullptr;
+  DrivingFormula::Kind kind = DrivingFormula::Kind::force;
+};
+std::vector<ReplaceableFormula> replaceable_formulas(Config& config);
+
 /// Times at which steps end and methods with past states restart: the input's `time.events`, and the times at which its
 /// formulas of t have kinks or jumps (Expression::kinks).
 struct Events {

@@ -56,6 +56,7 @@ class Model {
   const std::vector<int>& bodies_of_elastic() const { return bodies_of_elastic_; }  ///< the body of each
   const Inertia* inertia() const { return inertia_.get(); }  ///< nullptr if no body has a density
   const Constraints& constraints() const { return *constraints_; }
+  Constraints& constraints() { return *constraints_; }
   const std::vector<ModelTendon>& tendons() const { return tendons_; }
   const ModelSprings& springs() const { return springs_; }
   const ModelRods& rods() const { return rods_; }

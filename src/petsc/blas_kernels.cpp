@@ -28,13 +28,23 @@ const char* fitting_kernels() {
 
 }  // namespace
 
-void restart_with_fitting_blas_kernels(char** argv) {
-  if (std::getenv(variable) != nullptr) return;
+void* symbol_of_blas(const char* name) {
+  if (void* const found = dlsym(RTLD_DEFAULT, name)) return found;
+  // What a module of an interpreter links is not in the global scope.
+  void* const blas = dlopen("libblas.so.3", RTLD_LAZY | RTLD_NOLOAD);
+  return blas == nullptr ? nullptr : dlsym(blas, name);
+}
+
+const char* better_blas_kernels() {
+  if (std::getenv(variable) != nullptr) return nullptr;
   using GetName = char* (*)();
-  // Looked up at run time, because another BLAS may replace OpenBLAS.
-  const auto name_of_kernels = reinterpret_cast<GetName>(dlsym(RTLD_DEFAULT, "openblas_get_corename"));
-  if (name_of_kernels == nullptr || std::string_view(name_of_kernels()) != "Prescott") return;
-  const char* const kernels = fitting_kernels();
+  const auto name_of_kernels = reinterpret_cast<GetName>(symbol_of_blas("openblas_get_corename"));
+  if (name_of_kernels == nullptr || std::string_view(name_of_kernels()) != "Prescott") return nullptr;
+  return fitting_kernels();
+}
+
+void restart_with_fitting_blas_kernels(char** argv) {
+  const char* const kernels = better_blas_kernels();
   if (kernels == nullptr || setenv(variable, kernels, 0) != 0) return;
   std::error_code failed;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);

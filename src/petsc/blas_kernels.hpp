@@ -3,6 +3,14 @@
 
 namespace pliant {
 
+/// A function of the BLAS in this process, wherever it was loaded; nullptr if it has none of this name: another BLAS
+/// may replace OpenBLAS.
+void* symbol_of_blas(const char* name);
+
+/// The kernels that fit the processor, where OpenBLAS has chosen those for the oldest one and the user has chosen none;
+/// else nullptr.
+const char* better_blas_kernels();
+
 /// Restarts the program with kernels that fit the processor, where OpenBLAS has chosen those for the oldest one: a
 /// version older than the processor does not know it (0.3.21 of Debian 12 and Sapphire Rapids or newer), and
 /// factorizations take 1.7 times as long. OpenBLAS reads the variable OPENBLAS_CORETYPE as it is loaded; a user's

@@ -1,10 +1,10 @@
 #include "petsc/session.hpp"
 
 #include "base/error.hpp"
+#include "petsc/blas_kernels.hpp"
 #include "petsc/check.hpp"
 
 #include <cstdlib>
-#include <dlfcn.h>
 #include <sched.h>
 
 #include <hdf5.h>
@@ -45,7 +45,7 @@ void yield_only_if_oversubscribed() {
 void use_one_blas_thread() {
   if (std::getenv("OPENBLAS_NUM_THREADS") != nullptr || std::getenv("OMP_NUM_THREADS") != nullptr) return;
   using SetThreads = void (*)(int);
-  const auto set_threads = reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+  const auto set_threads = reinterpret_cast<SetThreads>(symbol_of_blas("openblas_set_num_threads"));
   if (set_threads != nullptr) set_threads(1);
 }
 
@@ -61,6 +61,13 @@ Session::Session(const std::string& program, const std::vector<std::string>& pet
   int argc = static_cast<int>(texts.size());
   char** argv = pointers.data();
   keep_hdf5_from_closing_itself();
+  PetscBool is_running = PETSC_FALSE;
+  check(PetscInitialized(&is_running));
+  owns_petsc_ = is_running == PETSC_FALSE;
+  if (!owns_petsc_) {
+    use_one_blas_thread();
+    return;
+  }
   yield_only_if_oversubscribed();
   check(PetscPushErrorHandler(pass_on, nullptr));  // first, or PETSc itself prints an error about an invalid option
   try {
@@ -73,7 +80,15 @@ Session::Session(const std::string& program, const std::vector<std::string>& pet
   check(PetscOptionsClearValue(nullptr, "-no_signal_handler"));  // petsc_options() keeps the user's
 }
 
+SilentPetsc::SilentPetsc() {
+  (void)PetscPushErrorHandler(pass_on, nullptr);
+}
+SilentPetsc::~SilentPetsc() {
+  (void)PetscPopErrorHandler();
+}
+
 Session::~Session() {
+  if (!owns_petsc_) return;
   (void)PetscOptionsSetValue(nullptr, "-options_left", "0");
   (void)PetscPopErrorHandler();
   (void)PetscFinalize();

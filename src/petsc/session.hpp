@@ -8,7 +8,8 @@
 
 namespace pliant {
 
-/// Initialises MPI and PETSc, finalises both at the end of the scope. One per process. Collective.
+/// Initialises MPI and PETSc, each unless somebody else has (mpi4py, petsc4py), and finalises at the end of the scope
+/// what it initialised. One per process. Collective.
 /// PETSc's own error traces are silenced: failures travel as exceptions (check.hpp) and are reported once.
 class Session {
  public:
@@ -18,6 +19,18 @@ class Session {
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
+
+ private:
+  bool owns_petsc_ = true;
+};
+
+/// Silences PETSc's error traces in a scope, whoever has set another handler since the session began. Not collective.
+class SilentPetsc {
+ public:
+  SilentPetsc();
+  ~SilentPetsc();
+  SilentPetsc(const SilentPetsc&) = delete;
+  SilentPetsc& operator=(const SilentPetsc&) = delete;
 };
 
 /// Rank and number of ranks of a communicator. Not collective.

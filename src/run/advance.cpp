@@ -109,6 +109,9 @@ class TimeAdvance final : public Advance {
     ledger_.book_jump(state());
     if (!state().w.empty()) integrator_.set_quadratures(ledger_.works());
   }
+  void shift_works(std::span<const double> change) override {
+    if (!state().w.empty()) integrator_.shift_quadratures(change);
+  }
   double error(const StepAttempt& attempt) const override { return norm_ ? (*norm_)(attempt) : 0.0; }
   const Stepper* stepper() const override { return integrator_.last_stepper(); }
   StateView state() const override { return integrator_.state().view(); }

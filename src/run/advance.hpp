@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,8 @@ class Advance {
   /// Starts anew after loads or prescribed velocities may have jumped: the next step uses no history before the last
   /// accepted state, and the velocity becomes that after the jump.
   virtual void restart() {}
+  /// Adds to the works of all past states: the loads have changed (Ledger::book_change).
+  virtual void shift_works(std::span<const double> /*change*/) {}
   /// Estimated error of a converged attempt in units of the tolerances; 0 if errors are not estimated.
   virtual double error(const StepAttempt& /*attempt*/) const { return 0.0; }
 

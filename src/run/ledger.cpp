@@ -147,6 +147,18 @@ void Ledger::book_jump(const StateView& after) {
   balance();
 }
 
+std::vector<double> Ledger::book_change(const StateView& state) {
+  const Energies before = energies_;
+  measure(state);
+  Works change = no_works();
+  change[stored] = energies_.elastic - before.elastic;
+  change[potential] = energies_.load_potential - before.load_potential;
+  change[loads] = change[stored] + change[potential];
+  for (std::size_t w = 0; w < works_.size(); ++w) works_[w] += change[w];
+  balance();
+  return change;
+}
+
 void Ledger::keep(Archive& archive, const StateView& newest) {
   archive.numbers("works", works_);
   archive.numbers("last_powers", last_powers_);

@@ -76,6 +76,10 @@ class Ledger {
   /// have done work.
   void book_jump(const StateView& after);
 
+  /// Books a change of the loads at the last booked state, to be called after it: what the energies gain by it is
+  /// supplied from outside. Returns by how much the works change.
+  std::vector<double> book_change(const StateView& state);
+
   /// `newest`: the last completed step.
   void keep(Archive& archive, const StateView& newest);
 
@@ -83,6 +87,8 @@ class Ledger {
   /// Reactions of the model's supports at the end of the last stage; zero before the first step.
   const std::vector<Reaction>& reactions() const { return reactions_; }
   const std::vector<JointReaction>& joint_reactions() const { return joint_reactions_; }
+  /// The gradient of the potential with the reactions on prescribed entries, at the end of the last stage [N].
+  Vec reaction() const { return reaction_.get(); }
   /// In the order of Contacts::groups.
   const std::vector<ContactForce>& contacts() const { return contacts_; }
 

@@ -71,9 +71,11 @@ Recorder::Recorder(const Config& config, Model& model, const Ledger& ledger, con
   obstacles_.emplace(model.layout().comm, result_, config.title, drawing_->surfaces(), last_frame);
 }
 
-void Recorder::record(const StepRecord& record, const Ledger& ledger) {
+std::vector<double> Recorder::record(const StepRecord& record, const Ledger& ledger) {
   const Stopwatch watch(seconds_);
-  history_.append(row_.values(record, ledger));
+  std::vector<double> row = row_.values(record, ledger);
+  history_.append(row);
+  return row;
 }
 
 void Recorder::sync() {

@@ -30,8 +30,9 @@ class Recorder {
   /// ledger's mechanisms. Throws FileError on every rank. Collective.
   Recorder(const Config& config, Model& model, const Ledger& ledger, const std::optional<Recorded>& earlier);
 
-  /// Adds a row to the history. Collective.
-  void record(const StepRecord& record, const Ledger& ledger);
+  const std::vector<std::string>& columns() const { return row_.columns(); }
+  /// Adds a row to the history, and returns it. Collective.
+  std::vector<double> record(const StepRecord& record, const Ledger& ledger);
   /// Adds a frame to the result. Collective.
   void write_frame(const StepRecord& record);
   /// Returns when history and frames have reached the disk. Collective.

@@ -6,7 +6,9 @@
 #include "petsc/session.hpp"
 #include "run/checkpoints.hpp"
 #include "run/energy_watch.hpp"
+#include "run/frame_schedule.hpp"
 #include "run/motion_watch.hpp"
+#include "run/output_directory.hpp"
 #include "run/overlap_file.hpp"
 #include "run/post_mortem.hpp"
 #include "run/recorder.hpp"
@@ -27,8 +29,6 @@
 namespace pliant {
 namespace {
 
-/// How long to wait for a run that was just killed and may take a moment to end.
-constexpr std::chrono::seconds patience{5};
 /// A stage that takes longer than this is reported to the user [s].
 constexpr double long_stage = 30.0;
 
@@ -44,25 +44,6 @@ std::string three_digits(double t) {
   return fmt::format("{:.{}f}", t, std::clamp(3 - before_point, 0, 4));
 }
 
-/// Frames are due at multiples of the output interval, at the first step at or after them.
-class FrameSchedule {
- public:
-  /// Multiples up to a time at which no further frame is due.
-  FrameSchedule(std::optional<double> interval, double start) : interval_(interval), last_(reached(start)) {}
-  bool due(double time) {
-    if (!interval_) return true;
-    const long long now = reached(time);
-    return std::exchange(last_, std::max(last_, now)) < now;
-  }
-
- private:
-  long long reached(double time) const {
-    return interval_ ? static_cast<long long>(std::floor(time / *interval_ * (1.0 + 1e-12) + 1e-9)) : 0;
-  }
-  std::optional<double> interval_;
-  long long last_;
-};
-
 class Run {
  public:
   /// From the start, or from a checkpoint that is whole.
@@ -73,11 +54,7 @@ class Run {
         model_(comm, config, additional),
         watch_(config, model_),
         checkpoints_(config, model_) {
-    on_root(comm_, [&] {
-      make_directory(config.output.directory);
-      lock_.emplace(config.output.directory, patience);
-      remove_summary(config.output.directory);
-    });
+    directory_.emplace(comm, config);
     introduce();
     simulation_.emplace(config, model_);
     simulation_->watch([this](const StageProgress& stage) { report_long_stage(stage); });
@@ -103,9 +80,7 @@ class Run {
                                   error.what(), from->file.string()));
     }
     if (!earlier) {
-      checkpoints_.remove_all();
-      remove_post_mortem(comm_, config_);
-      remove_overlap_file(comm_, config_);
+      directory_->start_anew(checkpoints_);
       recorder_->record(record(), simulation_->ledger());
       look_at_mesh_error();
       recorder_->write_frame(record());
@@ -124,7 +99,6 @@ class Run {
  private:
   ExitCode go() {
     const InterruptGuard interrupt;
-    // Every step is a frame unless an interval is given.
     FrameSchedule schedule(config_.output.every, record().time);
     const auto start = Clock::now();
     simulation_->forget();  // as after a checkpoint: what was looked at until now leaves no trace
@@ -253,11 +227,11 @@ class Run {
     write_checkpoint();
     const std::string where_to_look = post_mortem(outcome);
     summarise("failed", outcome.reason);
-    throw SolveError(fmt::format(
-        "the solve failed at {0} = {1:.6g}: {2}. The last good state ({0} = {1:.6g}) is in {3}{4}. Post-mortem: {5}",
-        variable(), record().time, outcome.reason, config_.output.directory,
-        is_static() ? "" : fmt::format(" (`{} --set time.step=...` continues from there)", how_to_resume()),
-        where_to_look));
+    throw SolveError(
+        fmt::format("{0}. The last good state ({1} = {2:.6g}) is in {3}{4}. Post-mortem: {5}",
+                    simulation_->in_words(outcome), variable(), record().time, config_.output.directory,
+                    is_static() ? "" : fmt::format(" (`{} --set time.step=...` continues from there)", how_to_resume()),
+                    where_to_look));
   }
 
   double output_seconds() const { return recorder_->seconds() + checkpoints_.seconds(); }
@@ -389,7 +363,7 @@ class Run {
   Model model_;
   MotionWatch watch_;
   MeshErrorWatch mesh_error_watch_;
-  std::optional<DirectoryLock> lock_;  // held by rank 0, on the output directory
+  std::optional<OutputDirectory> directory_;
   Checkpoints checkpoints_;
   std::optional<Simulation> simulation_;
   std::optional<Recorder> recorder_;

@@ -46,6 +46,7 @@ Simulation::Simulation(const Config& config, Model& model, Stages stages)
   advance_ = make_advance(config, model, *ledger_, initial, stages);
   set_plan(config);
   control_.emplace(plan_);
+  accepted_ = control_->progress();
   record_.q = q_.get();
   record_.v = v_.get();
   record_.z = advance_->state().z;
@@ -86,8 +87,7 @@ void Simulation::keep(Archive& archive) {
     progress.keep(archive);
     archive.number("step", step);
     if (!archive.restores()) return;
-    if (step != plan_.dt) progress.limit = StepControl(plan_).progress().limit;
-    control_.emplace(plan_, under_plan(plan_, progress));
+    continue_control(progress, step);
   });
   part("record", [&] {
     archive.number("step", record_.step);
@@ -113,6 +113,31 @@ void Simulation::keep(Archive& archive) {
   measure_contact();
 }
 
+void Simulation::continue_control(StepProgress progress, double former_step) {
+  if (former_step != plan_.dt) progress.limit = StepControl(plan_).progress().limit;
+  control_.emplace(plan_, under_plan(plan_, progress));
+  accepted_ = control_->progress();
+}
+
+void Simulation::plan_anew(const Config& config) {
+  const double former_step = plan_.dt;
+  set_plan(config);
+  continue_control(control_->progress(), former_step);
+}
+
+std::string Simulation::in_words(const StepOutcome& failure) const {
+  return fmt::format("the solve failed at {} = {:.6g}: {}",
+                     analysis_ == Analysis::static_equilibrium ? "load factor" : "t", record_.time, failure.reason);
+}
+
+StepOutcome Simulation::complete_step(const std::function<void(const StepOutcome&)>& retried) {
+  for (;;) {
+    StepOutcome outcome = advance();
+    if (outcome.kind == StepOutcome::Kind::accepted || outcome.kind == StepOutcome::Kind::failed) return outcome;
+    if (retried) retried(outcome);
+  }
+}
+
 StepOutcome Simulation::advance() {
   const Step step = control_->next();
   if (follower_ != nullptr) follower_->begin_step(step);
@@ -136,6 +161,7 @@ StepOutcome Simulation::advance() {
   const bool touched = record_.contact.num_points > 0.0;
   accept(attempt, step);
   control_->accept(error);
+  accepted_ = control_->progress();
   const bool touches = touched || record_.contact.num_points > 0.0;
   const bool restarts = control_->at_event() || extrapolates_impact(step, touches);
   if (restarts) restart();

@@ -9,6 +9,7 @@
 #include "time/step_control.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -67,6 +68,18 @@ class Simulation {
   bool finished() const { return control_->finished(); }
   /// Tries one step.
   StepOutcome advance();
+  /// Tries steps until one is accepted, or the simulation cannot continue; calls `retried` for each that is not.
+  StepOutcome complete_step(const std::function<void(const StepOutcome&)>& retried = {});
+  /// A failure in words: "the solve failed at t = 0.1: ...".
+  std::string in_words(const StepOutcome& failure) const;
+  /// The step that the next call tries first.
+  Step next_step() const { return control_->next(); }
+  /// After a failure: forgets the attempts since the last accepted step, so that the next one is tried at full length.
+  void forget_attempts() { control_.emplace(plan_, accepted_); }
+  /// The formulas of the model have been replaced: books what that changes.
+  void take_changes() { advance_->shift_works(ledger_->book_change(advance_->state())); }
+  /// Plans the steps from here on by another input: its steps, and the kinks of its formulas.
+  void plan_anew(const Config& config);
 
   /// Calls the follower at each step and stage from now on; it outlives the simulation.
   void follow(StageFollower& follower);
@@ -106,6 +119,8 @@ class Simulation {
 
  private:
   void set_plan(const Config& config);
+  /// Continues under the present plan from the progress under one with this step.
+  void continue_control(StepProgress progress, double former_step);
   /// A message if no body can have reached the end of a converged attempt.
   std::optional<std::string> impossibility(const StepAttempt& attempt, const Step& step);
   /// A message if an impact on a barrier gains energy in a step that may still be shortened.
@@ -131,6 +146,7 @@ class Simulation {
   std::optional<Ledger> ledger_;
   std::unique_ptr<Advance> advance_;
   std::optional<StepControl> control_;
+  StepProgress accepted_;  // at the last accepted step
   StepRecord record_;
   StepStatistics steps_;
   double contact_start_ = 0.0;      // end of the last step without contact [s]

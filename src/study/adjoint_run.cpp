@@ -98,12 +98,9 @@ void AdjointRun::begin_segment() {
 }
 
 void AdjointRun::advance(const std::function<void(double)>& progress) {
-  for (;;) {
-    const StepOutcome outcome = simulation_->advance();
-    if (outcome.is_input_error) throw InputError({config_.file, 0, 0}, outcome.reason);
-    if (outcome.kind == StepOutcome::Kind::failed) throw SolveError(outcome.reason);
-    if (outcome.kind == StepOutcome::Kind::accepted) break;
-  }
+  const StepOutcome outcome = simulation_->complete_step();
+  if (outcome.is_input_error) throw InputError({config_.file, 0, 0}, outcome.reason);
+  if (outcome.kind == StepOutcome::Kind::failed) throw SolveError(outcome.reason);
   times_[simulation_->record().step] = simulation_->record().time;
   progress(simulation_->record().time);
 }

@@ -1,7 +1,5 @@
 #include "study/recorded_step.hpp"
 
-#include "petsc/array_view.hpp"
-
 #include <algorithm>
 #include <utility>
 
@@ -21,42 +19,6 @@ double bytes_of(Vec x) {
   if (x != nullptr) check(VecGetLocalSize(x, &size));
   return static_cast<double>(sizeof(double)) * static_cast<double>(size);
 }
-
-/// Items one after another, in the order in which they are kept.
-class Storing final : public Archive {
- public:
-  explicit Storing(std::vector<std::vector<double>>& items) : items_(items) {}
-  bool restores() const override { return false; }
-
- protected:
-  void exchange(const std::string& /*path*/, std::span<double> x) override { items_.emplace_back(x.begin(), x.end()); }
-  void exchange(const std::string& path, Entries /*entries*/, Vec x) override {
-    const ArrayView values(x);
-    exchange(path, values.span());
-  }
-
- private:
-  std::vector<std::vector<double>>& items_;
-};
-
-class Restoring final : public Archive {
- public:
-  explicit Restoring(const std::vector<std::vector<double>>& items) : items_(items) {}
-  bool restores() const override { return true; }
-
- protected:
-  void exchange(const std::string& /*path*/, std::span<double> x) override {
-    std::ranges::copy(items_[next_++], x.begin());
-  }
-  void exchange(const std::string& path, Entries /*entries*/, Vec x) override {
-    const ArrayView values(x);
-    exchange(path, values.span());
-  }
-
- private:
-  const std::vector<std::vector<double>>& items_;
-  std::size_t next_ = 0;
-};
 
 }  // namespace
 
@@ -89,16 +51,6 @@ void StepRecording::end_step(bool restarts) {
   for (const RecordedStage& stage : tried_.stages) bytes += 3.0 * bytes_of(stage.q.get()) + bytes_of(stage.z0.get());
   bytes_ = std::max(bytes_, bytes);
   steps_.push_back(std::exchange(tried_, {}));
-}
-
-StateInMemory::StateInMemory(Simulation& simulation) {
-  Storing archive(items_);
-  simulation.keep(archive);
-}
-
-void StateInMemory::restore(Simulation& simulation) const {
-  Restoring archive(items_);
-  simulation.keep(archive);
 }
 
 }  // namespace pliant

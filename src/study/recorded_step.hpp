@@ -1,7 +1,7 @@
 /// The stages of a run, kept to go back through them.
 #pragma once
 
-#include "petsc/archive.hpp"
+#include "petsc/kept_in_memory.hpp"
 #include "run/simulation.hpp"
 
 #include <cstdint>
@@ -61,12 +61,14 @@ class StepRecording final : public StageFollower {
 class StateInMemory {
  public:
   /// Collective.
-  explicit StateInMemory(Simulation& simulation);
+  explicit StateInMemory(Simulation& simulation) : kept_([&](Archive& archive) { simulation.keep(archive); }) {}
   /// Collective.
-  void restore(Simulation& simulation) const;
+  void restore(Simulation& simulation) const {
+    kept_.restore([&](Archive& archive) { simulation.keep(archive); });
+  }
 
  private:
-  std::vector<std::vector<double>> items_;
+  KeptInMemory kept_;
 };
 
 }  // namespace pliant

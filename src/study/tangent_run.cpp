@@ -117,14 +117,10 @@ void TangentRun::add_pair(const Mesh& mesh, const VariedInput& input, std::span<
 }
 
 void TangentRun::advance() {
-  for (;;) {
-    const StepOutcome outcome = simulation_->advance();
-    if (outcome.is_input_error) throw InputError({config_.file, 0, 0}, outcome.reason);
-    if (outcome.kind == StepOutcome::Kind::failed) throw SolveError(outcome.reason);
-    if (outcome.kind != StepOutcome::Kind::accepted) continue;
-    measure();
-    return;
-  }
+  const StepOutcome outcome = simulation_->complete_step();
+  if (outcome.is_input_error) throw InputError({config_.file, 0, 0}, outcome.reason);
+  if (outcome.kind == StepOutcome::Kind::failed) throw SolveError(outcome.reason);
+  measure();
 }
 
 void TangentRun::begin_step(const Step& step) {

@@ -7,9 +7,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -27,22 +27,21 @@ std::vector<std::string> parts_of(const std::string& path) {
 }
 
 const InputNode* entry(const InputNode& node, const std::string& part) {
-  if (node.kind != InputNode::Kind::list) return node.find(part);
-  std::size_t index = 0;
-  const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
-  const bool is_index = error == std::errc() && end == part.data() + part.size() && index < node.children.size();
-  return is_index ? &node.children[index] : nullptr;
+  return node.kind == InputNode::Kind::list ? entry_of_list(node, part) : node.find(part);
 }
 
 /// The description of the key at the end of the path; nullptr where the table knows none.
 const KeyInfo* key_info(const std::vector<std::string>& parts) {
   const std::vector<KeyInfo>* among = &input_keys();
   const KeyInfo* found = nullptr;
+  bool may_be_name = false;  // of an entry of a list
   for (const std::string& part : parts) {
     const bool is_index = part.find_first_not_of("0123456789") == std::string::npos;
     if (is_index) continue;
     const auto key = std::ranges::find(*among, part, &KeyInfo::key);
+    if (key == among->end() && found != nullptr && std::exchange(may_be_name, false)) continue;
     if (key == among->end()) return nullptr;
+    may_be_name = true;
     found = &*key;
     among = &key->children;
   }

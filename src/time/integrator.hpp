@@ -37,6 +37,9 @@ class Integrator {
   void restart();
   /// Sets the quadratures of the newest state: changes at a restart are not part of a step.
   void set_quadratures(std::span<const double> w) { history_.set_quadratures(w); }
+  /// Adds to the quadratures of all states (History::shift_quadratures): formulas of methods with past states do not
+  /// take the change for a rate.
+  void shift_quadratures(std::span<const double> change) { history_.shift_quadratures(change); }
   /// Collective.
   void keep(Archive& archive);
 

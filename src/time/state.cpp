@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <functional>
 #include <string>
 
 namespace pliant {
@@ -50,6 +51,11 @@ State& History::restart() {
 void History::set_quadratures(std::span<const double> w) {
   assert(w.size() == states_.front().w.size());
   std::ranges::copy(w, states_.front().w.begin());
+}
+
+void History::shift_quadratures(std::span<const double> change) {
+  assert(change.size() == states_.front().w.size());
+  for (State& state : states_) std::ranges::transform(state.w, change, state.w.begin(), std::plus{});
 }
 
 void History::keep(Archive& archive) {

@@ -49,6 +49,8 @@ class History {
   State& restart();
   /// Quadratures of the newest state.
   void set_quadratures(std::span<const double> w);
+  /// Adds to the quadratures of all states, as if `change` had been there from the start.
+  void shift_quadratures(std::span<const double> change);
 
   /// Collective.
   void keep(Archive& archive);

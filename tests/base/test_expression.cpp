@@ -1,4 +1,5 @@
 #include "base/expression.hpp"
+#include "base/formula_tree.hpp"
 
 #include <cmath>
 #include <memory>
@@ -77,6 +78,33 @@ TEST(Expression, CopiesAreIndependentOfTheOriginal) {
   std::vector<Expression> many(3, copy);
   many.resize(100);
   EXPECT_EQ(many[2](1, 0, 0, 4), 5);
+}
+
+TEST(Expression, ReplacesAllCopiesOfAReplaceableFormula) {
+  Expression given("3*t");
+  const Expression before = given;
+  given.make_replaceable();
+  Expression copy = given;
+  const Expression negative = copy.scaled(-2.0), moved = std::move(copy), frozen = given.frozen();
+  EXPECT_EQ(negative(x, y, z, t), -6.0 * t);
+  given.replace(Expression("x + t^2", 10.0));
+  EXPECT_EQ(given(x, y, z, t), 10.0 * (x + t * t));
+  EXPECT_EQ(moved(x, y, z, t), 10.0 * (x + t * t));
+  EXPECT_EQ(negative(x, y, z, t), -20.0 * (x + t * t));
+  EXPECT_TRUE(negative.depends_on_space());
+  EXPECT_NEAR(negative.derivatives(x, y, z, t, t).rate, -40.0 * t, 1e-12);
+  negative.replace(Expression(0.0));
+  EXPECT_TRUE(given.is_zero());
+  EXPECT_FALSE(moved.depends_on_time());
+  for (const Expression* apart : {&before, &frozen}) {
+    EXPECT_FALSE(apart->is_replaceable());
+    EXPECT_EQ((*apart)(x, y, z, t), 3.0 * t);
+  }
+}
+
+TEST(Expression, ScalesWithTheFactorOfItsUnit) {
+  EXPECT_EQ(Expression("2*x", 1e-3).scaled(-1.0)(x, y, z, t), -2e-3 * x);
+  EXPECT_EQ(Expression(4.0).scaled(0.5)(x, y, z, t), 2.0);
 }
 
 TEST(Expression, MayReturnWhatTheFormulaDoes) {

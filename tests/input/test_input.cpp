@@ -336,8 +336,12 @@ TEST(Override, ChangesAndAddsValues) {
                                      {"loads.2.traction", "[0, 0, \"t\"]"},
                                      {"loads.2.traction.0", "5 Pa"},
                                      {"output", "{directory: there}"},
+                                     {"probes", "[{name: a, point: [0, 0, 0]}, {name: b, point: [0, 0, 0]}]"},
+                                     {"probes.b.point.1", "3 mm"},
                                      {"title", ""}});
   EXPECT_EQ(c.bodies[0].density, 900);
+  EXPECT_EQ(c.probes[0].point[1], 0);
+  EXPECT_EQ(c.probes[1].point[1], 3e-3) << "an entry by its name";
   EXPECT_EQ(c.time.step, 1e-3);
   EXPECT_EQ(c.solver.newton.max_iterations, 7);
   const VectorExpression& traction = std::get<LoadConfig::Traction>(c.loads[2].kind).value;

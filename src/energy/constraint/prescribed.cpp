@@ -69,7 +69,19 @@ template <class Set>
 void PrescribedDisplacement::for_each(double time, double time_scale, double factor, Side side, Set set) const {
   std::vector<GivenKinematics> given;
   for (const PrescribedPart& part : parts_) given.emplace_back(part.displacement, time, time_scale, factor, side);
-  for (const Entry& e : entries_) set(e.dof, given[e.part](e.dof % 3, e.X));
+  for (const Entry& e : entries_) {
+    if (paths_.empty() || !paths_.contains(e.dof)) set(e.dof, given[e.part](e.dof % 3, e.X));
+  }
+}
+
+double PrescribedDisplacement::Path::at(double time) const {
+  const double duration = end - start;
+  const double part = duration > 0.0 ? std::clamp((time - start) / duration, 0.0, 1.0) : 1.0;
+  return (1.0 - part) * from + part * to;
+}
+
+void PrescribedDisplacement::follow(PetscInt dof, const Path& path) {
+  if (flags_[static_cast<std::size_t>(dof)] != 0) paths_[dof] = path;
 }
 
 PrescribedMotion PrescribedDisplacement::motion() const {
@@ -84,6 +96,7 @@ PrescribedMotion PrescribedDisplacement::motion() const {
                q0[dof] = k.u - stage.dt * k.v;
                v0[dof] = k.v - stage.dt * k.a;
              });
+    for (const auto& [dof, path] : paths_) guess[dof] = stage.load_factor * path.at(stage.time);
   };
   motion.complete_step = [this](const Step& step, Vec q, Vec v) {
     const ArrayView position(q), velocity(v);

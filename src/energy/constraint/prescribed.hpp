@@ -7,6 +7,7 @@
 #include "fem/layout.hpp"
 #include "time/stage.hpp"
 
+#include <map>
 #include <set>
 #include <utility>
 #include <vector>
@@ -36,6 +37,20 @@ class PrescribedDisplacement {
   /// is the index of the part. Not collective.
   std::vector<LinearConstraint> constraints(const NodeLayout& layout, const std::set<PetscInt>& wanted) const;
 
+  /// The way of a prescribed entry from one displacement to another, and its rest there. It is given at steps only, by
+  /// another solver for instance, so that its rates are those that the method's formula finds, as for free entries: two
+  /// bodies that share nodes then have the same motion, and together the equations of one body.
+  struct Path {
+    double from = 0.0, to = 0.0;    ///< [m]
+    double start = 0.0, end = 0.0;  ///< linear in between [s]; without a duration, `to` is reached at once
+    double at(double time) const;
+  };
+  /// From now on an owned entry follows the path instead of its formula; one that is not prescribed stays free.
+  void follow(PetscInt dof, const Path& path);
+  /// All paths by owned entry, to be kept and restored.
+  const std::map<PetscInt, Path>& paths() const { return paths_; }
+  void set_paths(std::map<PetscInt, Path> paths) { paths_ = std::move(paths); }
+
   /// Hooks for the time layer; they refer to this object. Rates are one-sided, from the side of t on which the stage or
   /// the step lies, so that a kink at the step's start has no effect.
   PrescribedMotion motion() const;
@@ -46,13 +61,14 @@ class PrescribedDisplacement {
     std::size_t part;
     std::array<double, 3> X;
   };
-  /// Calls `set(dof, kinematics)` for each prescribed entry, with one-sided rates from differences over `time_scale`;
-  /// `factor`: the fraction of the motion that a load step has reached.
+  /// Calls `set(dof, kinematics)` for each prescribed entry without a path, with one-sided rates from differences over
+  /// `time_scale`; `factor`: the fraction of the motion that a load step has reached.
   template <class Set>
   void for_each(double time, double time_scale, double factor, Side side, Set set) const;
 
   std::vector<PrescribedPart> parts_;
   std::vector<Entry> entries_;
+  std::map<PetscInt, Path> paths_;  // of entries that a program moves
   std::vector<char> flags_;
   double time_scale_;
 };

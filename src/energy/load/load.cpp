@@ -195,7 +195,7 @@ DeadLoad::DeadLoad(const NodeLayout& layout, LoadSamples samples, std::array<Exp
       }
     }
     samples_ = {};
-  } else if (!depends_on_time()) {
+  } else if (!depends_on_time() && std::ranges::none_of(value_, &Expression::is_replaceable)) {
     constant_ = sampled(0.0);
     samples_ = {};
   }
@@ -214,8 +214,11 @@ void DeadLoad::for_each_force(double time, Add add) const {
       const double density = value_[i](0.0, 0.0, 0.0, time);
       for (PetscInt a = 0; a < num_owned_nodes_; ++a) add(3 * a + i, density * nodal_weights_[a]);
     }
-  } else {
+  } else if (depends_on_time()) {
     for_each_sample(time, add);
+  } else {  // replaceable, and added in the order of `constant_`, to the last bit
+    const std::vector<double> forces = sampled(time);
+    for (PetscInt i = 0; i < 3 * num_owned_nodes_; ++i) add(i, forces[i]);
   }
 }
 

@@ -77,7 +77,7 @@ class DeadLoad final : public EnergyTerm {
   PetscInt num_owned_nodes_;
   std::size_t size_;
   std::array<Expression, 3> value_;
-  LoadSamples samples_;                // kept only if the load varies in space and time
+  LoadSamples samples_;                // kept only if the load varies in space, and in time or by replacement
   std::vector<double> nodal_weights_;  // if it is uniform in space
   std::vector<double> constant_;       // if it varies in space alone
 };

@@ -1,4 +1,4 @@
-"""Pliant from Python: runs simulations, and reads what they leave on disk into numpy.
+"""Pliant from Python: runs simulations, drives them step by step, and reads what they leave on disk into numpy.
 
     import pliant
     run = pliant.run("input/beam_small.yaml", {"time.end": "50 ms"}, output="out/beam")
@@ -7,13 +7,14 @@
 All numbers are in SI units.
 """
 from .checkpoint import Checkpoint
-from .error import PliantError
+from .error import InputError, PliantError, SolveError
 from .history import History
 from .result import Field, Frame, Joint, Line, Mechanisms, Mesh, Obstacles, Result, von_mises
 from .runs import Run, resume, run
+from .simulation import NamedSurface, SavedState, Simulation
 from .studies import Fit, Gradient, Modes, Sensitivity, fit, gradient, modes, sensitivity
 from .surface import Surface
 
-__all__ = ["Checkpoint", "Field", "Fit", "Frame", "Gradient", "History", "Joint", "Line", "Mechanisms", "Mesh", "Modes", "Obstacles",
-           "PliantError", "Result", "Run", "Sensitivity", "Surface", "fit", "gradient", "modes", "resume", "run", "sensitivity",
-           "von_mises"]
+__all__ = ["Checkpoint", "Field", "Fit", "Frame", "Gradient", "History", "InputError", "Joint", "Line", "Mechanisms", "Mesh", "Modes",
+           "NamedSurface", "Obstacles", "PliantError", "Result", "Run", "SavedState", "Sensitivity", "Simulation", "SolveError", "Surface",
+           "fit", "gradient", "modes", "resume", "run", "sensitivity", "von_mises"]

@@ -11,3 +11,17 @@ class PliantError(Exception):
     def __init__(self, message: str, code: "int | None" = None) -> None:
         super().__init__(message)
         self.code = code
+
+
+class InputError(PliantError, ValueError):
+    """The input, or a value given to a simulation, is wrong; code 2."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message, 2)
+
+
+class SolveError(PliantError, RuntimeError):
+    """A step could not be solved; code 3."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message, 3)

@@ -122,12 +122,9 @@ def run(source: "Union[Path, Mapping[str, Any]]", overrides: "Optional[Mapping[s
     PliantError with the program's message if it fails; subprocess.TimeoutExpired if it takes too long.
     """
     settings = settings_of(overrides, output) + ["--continue"] * go_on
-    if not isinstance(source, (Mapping, str, os.PathLike)):
-        raise PliantError(f"an input is a file, its text, or a dictionary, not {source!r}")
-    is_file = not isinstance(source, Mapping) and "\n" not in os.fspath(source)
-    if is_file:
-        return _finished(["run", os.fspath(source), *settings], ranks, petsc_options, timeout)
-    content = yaml.dump(source, Dumper=_Dumper, sort_keys=False) if isinstance(source, Mapping) else os.fspath(source)
+    content = content_of(source)
+    if content is None:
+        return _finished(["run", os.fspath(source), *settings], ranks, petsc_options, timeout)  # type: ignore[arg-type]
     handle, name = tempfile.mkstemp(prefix=".pliant-", suffix=".yaml", dir=os.getcwd())
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as file:
@@ -147,18 +144,32 @@ def resume(checkpoint: Path, overrides: "Optional[Mapping[str, Any]]" = None, *,
     return _finished(["resume", os.fspath(checkpoint), *settings_of(overrides, output)], ranks, petsc_options, timeout)
 
 
+def content_of(source: "Union[Path, Mapping[str, Any]]") -> Optional[str]:
+    """The text of an input that is given as such, or as a dictionary; None for the name of a file."""
+    if not isinstance(source, (Mapping, str, os.PathLike)):
+        raise PliantError(f"an input is a file, its text, or a dictionary, not {source!r}")
+    if isinstance(source, Mapping):
+        return yaml.dump(source, Dumper=_Dumper, sort_keys=False)
+    return os.fspath(source) if "\n" in os.fspath(source) else None
+
+
 def settings_of(overrides: "Optional[Mapping[str, Any]]", output: Optional[Path]) -> "list[str]":
     """The options of the command line."""
-    if overrides is not None and not isinstance(overrides, Mapping):
-        raise PliantError(f"overrides: a dictionary is expected, such as {{'time.step': '5 ms'}}, not {overrides!r}")
     if output is not None and not os.fspath(output):
         raise PliantError("output: the name is empty")
     settings = []
-    for key, value in (overrides or {}).items():
-        settings += ["--set", f"{key}={_flow(value)}"]
+    for key, value in changes_of(overrides):
+        settings += ["--set", f"{key}={value}"]
     if output is not None:
         settings += ["--output", os.path.abspath(output)]
     return settings
+
+
+def changes_of(overrides: "Optional[Mapping[str, Any]]") -> "list[tuple[str, str]]":
+    """Keys of the input and what is put there, in YAML."""
+    if overrides is not None and not isinstance(overrides, Mapping):
+        raise PliantError(f"overrides: a dictionary is expected, such as {{'time.step': '5 ms'}}, not {overrides!r}")
+    return [(str(key), _flow(value)) for key, value in (overrides or {}).items()]
 
 
 def _flow(value: Any) -> str:
