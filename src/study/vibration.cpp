@@ -70,6 +70,9 @@ Vibration::Vibration(const Config& config, Model& model, const BaseState& about)
   require_potential(config, model, about.load_factor);
   find_free(model.equation());
   set_matrices(about);
+  if (!has_motion_) {
+    throw InputError({config.file, 0, 0}, "constraints hold everything that has a mass: there is nothing to vibrate");
+  }
   set_damping(config, about);
 }
 
@@ -165,6 +168,9 @@ void Vibration::set_matrices(const BaseState& about) {
   }
   check(MatDiagonalSet(whole.matrix(), r.get(), INSERT_VALUES));
   M_ = part_of_free(whole.matrix());
+  PetscReal largest = 0.0;
+  check(MatNorm(M_.get(), NORM_INFINITY, &largest));
+  has_motion_ = largest > 0.0;
   if (!parts.empty()) add_rank_one(parts);
 }
 

@@ -73,6 +73,17 @@ class Modes(ProgramTest):
         self.assert_close(found["damping_ratio"], 0.8 / (2 * w) + 0.002 * w / 2, 1e-6)
         self.assert_close(found["eigenvalue"], w**2, 1e-12)
 
+    def test_the_order_of_frequencies(self):
+        """Errors of frequencies fall with h^2 for P1 and h^4 for P2, twice the order of the shapes: a bar that moves along its axis."""
+        sides = ", ".join(f"{{surface: {side}, displacement: [free, 0, 0]}}" for side in ("front", "back", "bottom", "top"))
+        for element, order in (("P1", 2), ("P2", 4)):
+            errors = []
+            for n in (4, 8):
+                file = self.bar(n=(n, 1, 1), rest=CLAMP.replace("}]", "}, " + sides + "]") + MOTION)
+                errors.append(self.modes(file, "--number", "1", "--set", f"element={element}")["frequency"][0] * 4 * LENGTH / WAVE - 1)
+            # Cells that keep their width become less slender, which helps those of P2 a little.
+            self.assertAlmostEqual(np.log2(errors[0] / errors[1]), order + 0.14, delta=0.2)
+
     def test_nearest_modes_are_among_all(self):
         file = self.bar()
         lowest = self.modes(file, "--number", "8")["frequency"]
@@ -188,7 +199,8 @@ class Modes(ProgramTest):
         number = len(halves[0][0])
         left, right = halves[0][1], [side + number for side in halves[1][1]]
         sides = [left[0], right[1], left[1], right[0], left[4], left[5]]  # the ends, then both sides of the cut
-        write_mesh(self.directory / "halves.msh", np.vstack([h[0] for h in halves]), sides, np.vstack([halves[0][2], halves[1][2] + number]))
+        points, cells = np.vstack([h[0] for h in halves]), np.vstack([halves[0][2], halves[1][2] + number])
+        write_mesh(self.directory / "halves.msh", points, sides, cells)
         text = BAR.format(law="linear", nu=0, more="").replace("bar.msh", "halves.msh")
         file = self.write("halves.yaml", text + CLAMP.replace("]}]", "]}, {surface: front, tied_to: back}]") + MOTION)
         for ranks in (1, 2):
@@ -240,6 +252,9 @@ cavities: [{{name: air, surface: bottom, volume: 0.05, gas: {{pressure: 0, ambie
         without = self.bar(rest=CLAMP + "time: {method: static}\n").read_text().replace("density: 1000, ", "")
         refused = self.pliant("modes", self.write("massless.yaml", without), status=2)
         self.assertIn("modes need a mass: give the bodies a 'density'", refused.stderr)
+        held = self.bar(rest=CLAMP.replace("surface: left", "volume: body") + MOTION)
+        self.assertIn("constraints hold everything that has a mass", self.pliant("modes", held, status=2, ranks=2).stderr)
+        self.assertIn("a frequency above 0 Hz is expected", self.pliant("modes", held, "--near", "-3", status=2).stderr)
         pressed = self.bar(law="neo-hookean", nu=0.3, rest=CLAMP + "loads: [{surface: top, pressure: 10}]\ntime: {method: static}\n")
         refused = self.pliant("modes", pressed, status=2)
         self.assertIn("forces without a potential have no real modes: pressure", refused.stderr)
