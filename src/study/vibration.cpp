@@ -63,7 +63,7 @@ void require_mass(const Config& config, const Model& model) {
 
 Vibration::Vibration(const Config& config, Model& model, const BaseState& about) : model_(model) {
   q_ = make_vector(model.layout());
-  work_ = make_vector(model.layout());
+  zero_ = make_vector(model.layout());
   check(VecCopy(about.q, q_.get()));
   update_ghosts(q_.get());
   measure_mass(q_.get());
@@ -80,7 +80,7 @@ StagePoint Vibration::stage(const BaseState& about) const {
   return {.time = about.time,
           .dt = 1.0,
           .q0 = q_.get(),
-          .v0 = work_.get(),
+          .v0 = zero_.get(),
           .load_factor = about.load_factor,
           .step_start = about.time - 1.0,
           .z0 = about.z,

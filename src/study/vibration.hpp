@@ -79,7 +79,7 @@ class Vibration {
   std::vector<std::unique_ptr<EnergyTerm>> damping_terms_;
   std::unique_ptr<IncrementalPotential> damping_;
   Handle<Mat> C_;
-  Handle<Vec> work_;
+  Handle<Vec> zero_;  // velocity
   std::vector<std::string> relaxing_;
 };
 

@@ -205,6 +205,7 @@ time: {method: static}
 """)
         found = self.modes(file, "--number", "1")
         self.assert_close(found["frequency"][0], np.sqrt(2 * 9.81 * 0.5 / (0.02 + 2 * 0.25)) / (2 * np.pi), 1e-9)
+        self.assertEqual(self.modes(file, "--unloaded", "--number", "3")["frequency"].tolist(), [0.0])  # which has no stiffness at all
 
     def test_a_piston_on_air(self):
         """A rigid block on a gas: (2 pi f)^2 = n p A^2 / (V m), the rank-one part of the stiffness alone."""
