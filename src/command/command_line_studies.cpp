@@ -1,4 +1,5 @@
 // The commands that take many runs: sweeps, comparisons, derivatives and fits.
+#include "base/text.hpp"
 #include "command/command_help.hpp"
 #include "command/command_line.hpp"
 #include "petsc/session.hpp"
@@ -91,7 +92,10 @@ void CommandLine::add_modes() {
       ->type_name("N")
       ->capture_default_str();
   modes->add_option("--near", arguments_.modes.near, "a frequency [Hz]: the modes nearest to it, not the lowest")
-      ->check(CLI::PositiveNumber)
+      ->check([](const std::string& text) {
+        return std::string(parse_number(text).value_or(0.0) > 0.0 ? ""
+                                                                  : "a frequency above 0 Hz is expected, not " + text);
+      })
       ->type_name("FREQUENCY");
   modes->add_flag("--unloaded", arguments_.modes.is_unloaded,
                   "about the undeformed state; otherwise, if time.method is static, about the equilibrium under load");

@@ -21,6 +21,8 @@ namespace {
 constexpr double first_shift = 1e-9, shift_factor = 10.0, largest_shift = 1e2;
 /// Rounding errors in eigenvalues, measured on bodies that nothing holds, as a fraction of the same.
 constexpr double rounding_fraction = 1e-13;
+/// The least value of that mean: of bodies that nothing but rounding errors holds [1/s^2].
+constexpr double least_mean = 1e-3;
 constexpr double tolerance = 1e-10;
 constexpr PetscInt most_restarts = 1000;
 
@@ -50,6 +52,7 @@ Scale scale_of(const EigenProblem& problem) {
   Scale scale;
   scale.with_mass = sum(comm_of(problem.K), count);
   scale.mean = sum(comm_of(problem.K), total) / std::max(1.0, static_cast<double>(scale.with_mass));
+  scale.mean = std::max(scale.mean, least_mean);
   return scale;
 }
 
@@ -184,7 +187,7 @@ Eigenpairs smallest_eigenpairs(const EigenProblem& problem, PetscInt number) {
   const SlepcSession session;
   const Scale scale = require_mass(problem);
   Shifted shifted(problem);
-  const double sigma = factorize_below(shifted, scale.mean > 0.0 ? scale.mean : 1.0);
+  const double sigma = factorize_below(shifted, scale.mean);
   return solve(problem, number, sigma, shifted, scale);
 }
 

@@ -63,13 +63,16 @@ void require_mass(const Config& config, const Model& model) {
 
 Vibration::Vibration(const Config& config, Model& model, const BaseState& about) : model_(model) {
   q_ = make_vector(model.layout());
-  work_ = make_vector(model.layout());
+  zero_ = make_vector(model.layout());
   check(VecCopy(about.q, q_.get()));
   update_ghosts(q_.get());
   measure_mass(q_.get());
   require_potential(config, model, about.load_factor);
   find_free(model.equation());
   set_matrices(about);
+  if (!has_motion_) {
+    throw InputError({config.file, 0, 0}, "constraints hold everything that has a mass: there is nothing to vibrate");
+  }
   set_damping(config, about);
 }
 
@@ -77,7 +80,7 @@ StagePoint Vibration::stage(const BaseState& about) const {
   return {.time = about.time,
           .dt = 1.0,
           .q0 = q_.get(),
-          .v0 = work_.get(),
+          .v0 = zero_.get(),
           .load_factor = about.load_factor,
           .step_start = about.time - 1.0,
           .z0 = about.z,
@@ -165,6 +168,9 @@ void Vibration::set_matrices(const BaseState& about) {
   }
   check(MatDiagonalSet(whole.matrix(), r.get(), INSERT_VALUES));
   M_ = part_of_free(whole.matrix());
+  PetscReal largest = 0.0;
+  check(MatNorm(M_.get(), NORM_INFINITY, &largest));
+  has_motion_ = largest > 0.0;
   if (!parts.empty()) add_rank_one(parts);
 }
 

@@ -34,7 +34,7 @@ void require_mass(const Config& config, const Model& model);
 class Vibration {
  public:
   /// `config` is static, and that of the model, which has a mass and outlives the object. Throws InputError where
-  /// forces have no potential: modes need a symmetric K.
+  /// forces have no potential, because modes need a symmetric K, and where constraints hold everything.
   Vibration(const Config& config, Model& model, const BaseState& about);
 
   EigenProblem problem() const { return {K_.get(), M_.get(), num_negative_}; }
@@ -72,13 +72,14 @@ class Vibration {
   Handle<IS> free_set_;
   Handle<Mat> K_, M_;
   PetscInt num_negative_ = 0;
+  bool has_motion_ = false;  // of what has a mass
   double imbalance_ = 0.0, mass_ = 0.0;
   std::array<double, 3> centre_{}, moments_{};  // of mass [m]; of inertia [kg m^2]
   Handle<Vec> q_, y_;
   std::vector<std::unique_ptr<EnergyTerm>> damping_terms_;
   std::unique_ptr<IncrementalPotential> damping_;
   Handle<Mat> C_;
-  Handle<Vec> work_;
+  Handle<Vec> zero_;  // velocity
   std::vector<std::string> relaxing_;
 };
 
