@@ -28,6 +28,19 @@ std::string no_command(const std::string& word, const CLI::App& among, const std
   return fmt::format("there is no command '{}'{}", word, instead.empty() ? did_you_mean(word, names) : instead);
 }
 
+/// The first word that the command does not take: an option, or else an argument; CLI11 lists all of them backwards.
+std::string no_place_for(const std::vector<std::string>& words, const CLI::App& command) {
+  const auto option = std::ranges::find_if(words, [](const std::string& word) { return word.starts_with('-'); });
+  if (option == words.end() && !command.get_subcommands({}).empty()) return no_command(words.front(), command);
+  if (option == words.end()) return fmt::format("it takes no argument '{}'", words.front());
+  const std::string name = option->substr(0, option->find('='));
+  std::vector<std::string> known;
+  for (const CLI::Option* of : command.get_options()) {
+    for (const std::string& long_name : of->get_lnames()) known.push_back("--" + long_name);
+  }
+  return fmt::format("it has no option '{}'{}", name, did_you_mean(name, known));
+}
+
 /// What CLI11 says, and what most likely was meant.
 std::string explained(const CLI::ParseError& error, const CLI::App& app, int argc, const char* const* argv) {
   std::string command = "pliant";
@@ -41,6 +54,8 @@ std::string explained(const CLI::ParseError& error, const CLI::App& app, int arg
     std::error_code ignored;
     const bool is_file = std::filesystem::exists(words[0], ignored);
     text = no_command(words[0], app, is_file ? "; to run an input: pliant run " + words[0] : "");
+  } else if (const auto left = at->remaining(); !left.empty()) {
+    text = no_place_for(left, *at);
   }
   const auto is_setting = [](const std::string& word) {
     return !word.starts_with('-') && word.find('=') != std::string::npos;

@@ -134,6 +134,15 @@ class Commands(ProgramTest):
         for option in ("--output", "--set", "--quiet"):
             self.assertIn(option, self.text("run", "--help"))
 
+    def test_words_that_a_command_does_not_take(self):
+        for words, message in ((("run", "in.yaml", "--quite"), "pliant run: it has no option '--quite' (did you mean '--quiet'?); see pliant run --help"),
+                               (("render", "out", "--zzzzzzzzzzzz", "3"), "pliant render: it has no option '--zzzzzzzzzzzz'; see pliant render --help"),
+                               (("--set", "a=1"), "pliant: it has no option '--set'; see pliant --help"),
+                               (("methods", "bdf2", "bdf3"), "pliant methods: it takes no argument 'bdf2'; see pliant methods --help"),
+                               (("mesh", "convrt"), "pliant mesh: there is no command 'convrt' (did you mean 'convert'?); see pliant mesh --help")):
+            done = self.call(*words)
+            self.assertEqual((done.returncode, done.stderr), (2, message + "\n"))
+
     def test_help_has_examples(self):
         def commands(*above):
             head, _, rest = self.text(*above, "--help").partition("\nSubcommands:\n")
