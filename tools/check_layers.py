@@ -36,6 +36,7 @@ ROOMS = {
         "contact": "",
         "rigid": "",
         "rod": "volume",
+        "shell": "volume",
         "pairs": "",
         "constraint": "rigid volume",
         "equation": "constraint pairs rigid volume",

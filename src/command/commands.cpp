@@ -160,6 +160,7 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
     console.print(fmt::format("  mass {:.6g} kg", sum(layout.comm, model.inertia()->mass().total())));
   }
   for (const auto& line : rod_table(config, model)) console.print(line);
+  for (const auto& line : shell_table(config, model)) console.print(line);
   for (const auto& line : mechanism_table(config, model)) console.print(line);
   if (!model.cavities().empty()) console.print("cavities");
   for (const auto& cavity : model.cavities()) {
