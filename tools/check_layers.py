@@ -37,6 +37,7 @@ ROOMS = {
         "contact": "",
         "rigid": "",
         "rod": "volume",
+        "shell": "volume",
         "pairs": "",
         "constraint": "rigid volume",
         "equation": "constraint pairs rigid volume",

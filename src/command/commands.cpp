@@ -132,6 +132,7 @@ Lines description_of(Model& model, const Config& config) {
     lines.push_back(fmt::format("  mass {:.6g} kg", sum(layout.comm, model.inertia()->mass().total())));
   }
   append(lines, rod_table(config, model));
+  append(lines, shell_table(config, model));
   append(lines, mechanism_table(config, model));
   if (!model.cavities().empty()) lines.emplace_back("cavities");
   for (const auto& cavity : model.cavities()) {

@@ -113,6 +113,25 @@ std::vector<std::string> rod_table(const Config& config, const Model& model) {
   return lines;
 }
 
+std::vector<std::string> shell_table(const Config& config, const Model& model) {
+  std::vector<std::string> lines;
+  if (!config.shells.empty()) lines.emplace_back("shells");
+  for (std::size_t k = 0; k < config.shells.size(); ++k) {
+    const ShellConfig& shell = config.shells[k];
+    const ModelShell& on_mesh = model.shells().shells[k];
+    std::string text = fmt::format("  {}: {} facets, {:.6g} m^2, thickness {:.6g} m, {}", shell.name,
+                                   on_mesh.num_facets, on_mesh.area, shell.thickness, describe(shell.elasticity));
+    if (on_mesh.mass_per_area > 0.0) text += fmt::format(", mass {:.6g} kg", on_mesh.mass_per_area * on_mesh.area);
+    if (!shell.prestretch.empty()) {
+      text += fmt::format(", stretched by {:.6g}", shell.prestretch.front());
+      if (shell.prestretch.size() == 2) text += fmt::format(" and {:.6g}", shell.prestretch.back());
+    }
+    if (shell.bends) text += ", bends";
+    lines.push_back(std::move(text));
+  }
+  return lines;
+}
+
 std::vector<std::string> mechanism_table(const Config& config, const Model& model) {
   std::vector<std::string> lines;
   if (!config.joints.empty()) lines.emplace_back("joints");

@@ -14,6 +14,9 @@ std::vector<std::string> body_table(const Config& config, const Model& model);
 /// Rods with their stiffness, likewise; nothing where there are none.
 std::vector<std::string> rod_table(const Config& config, const Model& model);
 
+/// Shells with their facets and materials, likewise.
+std::vector<std::string> shell_table(const Config& config, const Model& model);
+
 /// Joints, springs and tendons, a heading and a line for each; nothing where there are none. Collective.
 std::vector<std::string> mechanism_table(const Config& config, const Model& model);
 

@@ -62,6 +62,7 @@ class Collector {
   std::vector<ModelItem> take() {
     add_constraints();
     add_loads();
+    add_shells();
     add_cavities();
     add_contacts();
     add_probes();
@@ -200,6 +201,14 @@ class Collector {
     }
   }
 
+  void add_shells() {
+    for (std::size_t k = 0; k < config_.shells.size(); ++k) {
+      const ShellConfig& shell = config_.shells[k];
+      add(ModelItem::Kind::shell, named(shell.name, describe(shell.part)), said("shells", k)).points =
+          places(selections_.nodes(shell.part));
+    }
+  }
+
   void add_cavities() {
     for (std::size_t k = 0; k < config_.cavities.size(); ++k) {
       const ModelCavity& cavity = model_.cavities()[k];
@@ -303,7 +312,7 @@ class Collector {
 }  // namespace
 
 std::string to_string(ModelItem::Kind kind) {
-  constexpr std::array names{"group", "constraint", "load", "cavity", "contact", "probe", "cells"};
+  constexpr std::array names{"group", "constraint", "load", "shell", "cavity", "contact", "probe", "cells"};
   return names[static_cast<std::size_t>(kind)];
 }
 

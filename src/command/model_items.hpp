@@ -12,7 +12,7 @@ namespace pliant {
 
 /// Something that the page lists and shows.
 struct ModelItem {
-  enum class Kind { group, constraint, load, cavity, contact, probe, cells };
+  enum class Kind { group, constraint, load, shell, cavity, contact, probe, cells };
   Kind kind = Kind::group;
   std::string name;             ///< as messages name it
   std::string text;             ///< what the input says of it, or what was found
@@ -22,7 +22,7 @@ struct ModelItem {
 
 std::string to_string(ModelItem::Kind kind);
 
-/// The groups of the mesh, constraints, loads, cavities, contact, probes and worst elements of the model of `config` on
+/// The groups of the mesh, constraints, loads, shells, cavities, contact, probes and worst elements of the model of `config` on
 /// the mesh; q: displacements at the start. The same on every rank. Collective.
 std::vector<ModelItem> model_items(const Mesh& mesh, const Config& config, const Model& model, Vec q);
 

@@ -5,6 +5,7 @@
 #include "input/checks/output.hpp"
 #include "input/checks/rigid_bodies.hpp"
 #include "input/checks/rods.hpp"
+#include "input/checks/shells.hpp"
 #include "input/checks/tendons.hpp"
 #include "input/checks/time.hpp"
 #include "input/checks/volumetric.hpp"
@@ -279,6 +280,7 @@ void check_combinations(const Config& config, const InputNode& root, Diagnostics
   check_rigid_bodies(config, diagnostics);
   check_tendons(config, diagnostics);
   check_rods(config, diagnostics);
+  check_shells(config, diagnostics);
   check_moduli(config, diagnostics);
   check_volumetric(config, root, diagnostics);
   check_held(config, root, diagnostics);

@@ -7,6 +7,8 @@
 #include "input/material_config.hpp"
 #include "input/mechanism_config.hpp"
 #include "input/output_config.hpp"
+#include "input/selection.hpp"
+#include "input/shell_config.hpp"
 #include "material/contact_law.hpp"
 #include "material/foundation.hpp"
 #include "material/viscosity_registry.hpp"
@@ -22,18 +24,6 @@
 
 namespace pliant {
 
-/// The part of the mesh that an entry refers to. Exactly one way of selecting it is given.
-struct Selection {
-  enum class Kind { everything, volume, surface, curve, point, box, where };
-  Kind kind = Kind::everything;
-  std::string name;                  ///< physical name, or the tag in decimal digits (volume, surface, curve, point)
-  std::array<double, 6> box{};       ///< xmin ymin zmin xmax ymax zmax [m] (box)
-  std::optional<Expression> region;  ///< nonzero inside (where); a function of x, y, z
-  Location where;
-};
-
-using VectorExpression = std::array<Expression, 3>;
-
 enum class ElementOrder { p1 = 1, p2 = 2 };
 /// How bodies resist a change of volume: at every point, by the mean over each cell, or by pressures as unknowns.
 enum class VolumetricTreatment { standard, mean_dilatation, mixed };
@@ -46,33 +36,6 @@ struct MeshConfig {
   int refine = 0;
   bool allow_commands = false;
   double time_limit = 3600.0;  ///< [s]
-};
-
-/// A constant of a law, in SI: a number, a function of x, y, z, or data of the mesh file.
-struct GivenConstant {
-  std::string key;
-  Expression value;
-  std::string cell_data;  ///< name of the data; empty: `value` counts
-  Location where;
-  double factor = 1.0;  ///< by which all values are multiplied, for derivatives
-};
-
-/// A preferred direction, of any length: a function of x, y, z, or data of the mesh file.
-struct GivenDirection {
-  std::string key;  ///< fibre, sheet, fibre2
-  VectorExpression value;
-  std::string cell_data;  ///< name of the data; empty: `value` counts
-  Location where;
-};
-
-struct ElasticityConfig {
-  std::string model;                     ///< name in the registry of elastic laws
-  std::string library;                   ///< the measured material (material/library.hpp) that fills in the rest, or ""
-  std::vector<GivenConstant> constants;  ///< constants of the law (material/constants.hpp)
-  std::vector<GivenDirection> directions;
-  bool incompressible = false;  ///< in place of the constant that resists a change of volume
-  VolumetricForm volumetric_energy = VolumetricForm::mixed;
-  Location where;
 };
 
 /// A mechanism of damping.
@@ -434,6 +397,7 @@ struct Config {
   std::vector<TendonConfig> tendons;
   std::vector<SpringConfig> springs;
   std::vector<RodConfig> rods;
+  std::vector<ShellConfig> shells;
   std::vector<ConstraintConfig> constraints;
   std::vector<LoadConfig> loads;
   std::vector<CavityConfig> cavities;

@@ -69,6 +69,10 @@ void complete_defaults(Config& config, const InputNode& root) {
     if (!body.elasticity || body.density) continue;
     if (const LibraryMaterial* material = find_material(body.elasticity->library)) body.density = material->density;
   }
+  for (ShellConfig& shell : config.shells) {
+    const LibraryMaterial* material = find_material(shell.elasticity.library);
+    if (material != nullptr && !shell.density) shell.density = material->density;
+  }
   complete_time(config.time, root);
   place_whole_mesh_parts(config.bodies);
   place_whole_mesh_parts(config.loads);

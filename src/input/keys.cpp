@@ -12,6 +12,7 @@
 #include "input/sections/output.hpp"
 #include "input/sections/rigid_bodies.hpp"
 #include "input/sections/rods.hpp"
+#include "input/sections/shells.hpp"
 #include "input/sections/tendons.hpp"
 #include "input/sections/viscosity.hpp"
 #include "material/elastic_law.hpp"
@@ -176,6 +177,8 @@ Section<Config> config_keys() {
             "springs and dampers between two points of bodies, or one and the ground"),
       field("rods", &Config::rods, list_of(map_of(rod_keys()), 0),
             "slender elastic rods: wires, tubes and beams, alone, on rigid bodies, or along curves of the mesh"),
+      field("shells", &Config::shells, list_of(map_of(shell_keys()), 0),
+            "thin layers on surfaces of bodies: skins, coatings, membranes"),
       field("constraints", &Config::constraints, list_of(map_of(constraint_keys()), 0),
             "prescribed displacements (Dirichlet boundary conditions) and ties (multi-point constraints)"),
       field("loads", &Config::loads, list_of(map_of(load_keys()), 0),

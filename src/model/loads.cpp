@@ -48,6 +48,22 @@ class LoadTerms {
     if (!any) return nullptr;
     return dead_load(samples_of(bodies_.rods.term->masses(pulled)), gravity->acceleration);
   }
+  /// The weight of shells, on which gravity acts wherever it acts on all bodies.
+  Term weight_of_shell(const LoadConfig& load, const ModelShell& shell) const {
+    const auto* gravity = std::get_if<LoadConfig::Gravity>(&load.kind);
+    const bool is_meant = gravity != nullptr && load.part.kind == Selection::Kind::everything;
+    if (!is_meant || shell.mass_per_area == 0.0) return nullptr;
+    const NodeLayout& layout = bodies_.layout;
+    if (config_.mass == MassKind::lumped) {
+      const std::vector<double> masses = lumped_masses_of_layer(layout, shell.facets, shell.mass_per_area);
+      LoadSamples samples = node_samples(layout, shell.facets.nodes);
+      samples.weights = masses;
+      return dead_load(std::move(samples), gravity->acceleration);
+    }
+    LoadSamples samples = facet_samples(layout, shell.facets, variation_of(gravity->acceleration));
+    for (double& weight : samples.weights) weight *= shell.mass_per_area;
+    return dead_load(std::move(samples), gravity->acceleration);
+  }
   /// The weight of `rigid_bodies`; nothing if the load has none of it.
   Term weight_of_rigid_bodies(const LoadConfig& load) const {
     const auto* gravity = std::get_if<LoadConfig::Gravity>(&load.kind);
@@ -193,6 +209,9 @@ LoadParts find_loads(const Config& config, const LoadedBodies& bodies, Selection
     if (auto term = term_of(load)) parts.terms.push_back({std::move(term), load.where});
     if (auto term = term_of.weight_of_rigid_bodies(load)) parts.terms.push_back({std::move(term), load.where});
     if (auto term = term_of.weight_of_rods(load)) parts.terms.push_back({std::move(term), load.where});
+    for (const ModelShell& shell : bodies.shells.shells) {
+      if (auto term = term_of.weight_of_shell(load, shell)) parts.terms.push_back({std::move(term), load.where});
+    }
   }
   return parts;
 }

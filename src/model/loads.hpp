@@ -8,6 +8,7 @@
 #include "model/cavities.hpp"
 #include "model/rods.hpp"
 #include "model/selections.hpp"
+#include "model/shells.hpp"
 
 #include <memory>
 #include <vector>
@@ -21,6 +22,7 @@ struct LoadedBodies {
   const std::vector<int>& body_of_cell;  ///< per local cell
   const std::vector<double>& densities;  ///< per body [kg/m^3]
   const ModelRods& rods;
+  const ModelShells& shells;
 };
 
 /// Whether any load has a dashpot, which needs motion.

@@ -177,4 +177,15 @@ std::vector<Diagnostic> warnings_about_method(const Config& config, const Motion
   return warnings;
 }
 
+std::optional<Diagnostic> note_about_growth(const Config& config) {
+  const Method* method = method_of(config.time);
+  const auto rings = [](const BodyConfig& body) { return !body.is_rigid && body.viscosity.empty(); };
+  if (method == nullptr || method->stability != Stability::not_a_stable || std::ranges::none_of(config.bodies, rings)) {
+    return std::nullopt;
+  }
+  return note(
+      fmt::format("{} is not A-stable: undamped vibrations grow; give the bodies a viscosity, or choose another method",
+                  method->name.empty() ? "the method" : method->name));
+}
+
 }  // namespace pliant

@@ -5,6 +5,7 @@
 #include "input/config.hpp"
 #include "mesh/report.hpp"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -38,5 +39,7 @@ FastestGrowth fastest_growth(const Method& method, double lowest, double highest
 
 /// Steps must be equal. Collective.
 std::vector<Diagnostic> warnings_about_method(const Config& config, const MotionAtStart& at);
+/// A note where a method that is not A-stable advances bodies without a viscosity.
+std::optional<Diagnostic> note_about_growth(const Config& config);
 
 }  // namespace pliant

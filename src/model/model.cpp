@@ -82,13 +82,8 @@ void Model::check_method(const Config& config) {
   if (is_incompressible_) {
     if (auto warning = warning_about_pressures(config)) warnings.push_back(std::move(*warning));
   }
-  const Method* method = method_of(config.time);
-  const auto rings = [](const BodyConfig& body) { return !body.is_rigid && body.viscosity.empty(); };
-  if (warnings.empty() && method != nullptr && method->stability == Stability::not_a_stable &&
-      std::ranges::any_of(config.bodies, rings)) {
-    diagnostics_.push_back(note(fmt::format(
-        "{} is not A-stable: undamped vibrations grow; give the bodies a viscosity, or choose another method",
-        method->name.empty() ? "the method" : method->name)));
+  if (auto of_growth = note_about_growth(config); of_growth && warnings.empty()) {
+    diagnostics_.push_back(std::move(*of_growth));
   }
   include(std::move(warnings));
 }
@@ -172,11 +167,12 @@ template <int Order>
 void Model::build_inertia(const Config& config) {
   const auto& groups = std::get<CellGroups<Order>>(cells_);
   const bool has_mass = std::any_of(densities_.begin(), densities_.end(), [](double d) { return d > 0.0; });
-  if (!has_mass && config.rigid_bodies.empty() && config.rods.empty()) return;
+  if (!has_mass && config.rigid_bodies.empty() && config.rods.empty() && config.shells.empty()) return;
   MassMatrix mass = make_mass_matrix<Order>(layout_, *pattern_, groups, densities_,
                                             config.mass == MassKind::consistent ? Mass::consistent : Mass::lumped);
   add_affine_bodies(layout_, *pattern_, body_of_cell_, masses_of_rigid_bodies(config), mass);
   if (rods_.term) rods_.term->add_masses(*pattern_, mass);
+  add_masses_of_shells(layout_, *pattern_, config.mass, shells_, mass);
   inertia_ = std::make_unique<Inertia>(layout_, std::move(mass));
 }
 
@@ -194,7 +190,9 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   body_of_cell_ = selections.cells(parts);
   rods_ = make_rods(config, mesh, layout_, body_of_cell_, selections);
 
-  LoadParts load_parts = find_loads(config, {layout_, *pattern_, body_of_cell_, densities_, rods_}, selections);
+  shells_ = find_shells(config, layout_, selections);
+  LoadParts load_parts =
+      find_loads(config, {layout_, *pattern_, body_of_cell_, densities_, rods_, shells_}, selections);
   FacetList touching;
   std::vector<TouchingSurfaces> touching_each_other;
   if (config.contact) {
@@ -214,6 +212,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   const std::vector<char> left_out = cells_without_places(config, body_of_cell_);
   const BodiesOnMesh bodies{config, layout_, body_of_cell_, left_out};
   tendons_ = make_tendons(bodies, mesh, selections);
+  build_shells(config, layout_, *pattern_, shells_);
   if (layout_.order == 1) {
     build_cells<1>(config, mesh);
     build_inertia<1>(config);
@@ -352,6 +351,7 @@ void Model::prepare(const Config& config) {
   }
   for (const auto& term : springs_.terms) terms.push_back(term.get());
   for (const EnergyTerm* term : rods_.terms(analysis != Analysis::static_equilibrium)) terms.push_back(term);
+  for (const EnergyTerm* term : shells_.terms(analysis != Analysis::static_equilibrium)) terms.push_back(term);
   for (const ModelCoupling& coupling : couplings_) terms.push_back(coupling.term.get());
   for (const LocatedTerm& load : loads_->terms()) terms.push_back(load.term.get());
   if (contacts_) {

@@ -16,6 +16,7 @@
 #include "model/field_regions.hpp"
 #include "model/loads.hpp"
 #include "model/rods.hpp"
+#include "model/shells.hpp"
 #include "model/springs.hpp"
 #include "model/tendons.hpp"
 #include "model/wave_speeds.hpp"
@@ -61,6 +62,7 @@ class Model {
   const ModelSprings& springs() const { return springs_; }
   const ModelRods& rods() const { return rods_; }
   const Loads& loads() const { return *loads_; }
+  const ModelShells& shells() const { return shells_; }
   const std::vector<ModelCavity>& cavities() const { return loads_->cavities(); }
   const Contacts* contacts() const { return contacts_.get(); }  ///< nullptr if the input has none
   IncrementalPotential& potential() { return *potential_; }
@@ -154,6 +156,7 @@ class Model {
   std::vector<ModelTendon> tendons_;
   ModelSprings springs_;
   ModelRods rods_;
+  ModelShells shells_;
   std::vector<ModelCoupling> couplings_;
   std::unique_ptr<Loads> loads_;
   std::unique_ptr<Contacts> contacts_;

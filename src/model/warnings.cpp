@@ -207,6 +207,10 @@ bool nothing_moves(const Config& config) {
   };
   const auto is_loose = [](const JointConfig& joint) { return !joint.spring; };
   const auto is_relaxed = [](const SpringConfig& spring) { return !spring.rest || spring.stiffness == 0.0; };
+  const auto is_slack = [](const ShellConfig& shell) {
+    return std::ranges::all_of(shell.prestretch, [](double stretch) { return stretch == 1.0; });
+  };
+  if (!std::ranges::all_of(config.shells, is_slack)) return false;
   if (!std::ranges::all_of(config.rigid_bodies, is_at_rest) || !std::ranges::all_of(config.joints, is_loose) ||
       !std::ranges::all_of(config.springs, is_relaxed)) {
     return false;

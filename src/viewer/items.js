@@ -13,6 +13,7 @@ import { disc } from "./mechanisms.js";
 const KINDS = {
   constraint: { title: "Constraints", colour: "#2f74d0", isShown: true },
   load: { title: "Loads", colour: "#d8433a", isShown: true },
+  shell: { title: "Shells", colour: "#0b8f6a", isShown: false },
   cavity: { title: "Cavities", colour: "#18a0a8", isShown: false },
   contact: { title: "Contact, where it is nearest", colour: "#e8981c", isShown: true },
   probe: { title: "Probes", colour: "#8b4fc9", isShown: true },

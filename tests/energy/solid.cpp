@@ -112,6 +112,12 @@ std::unique_ptr<DeadLoad> Solid::gravity(double density, const std::array<Expres
   return std::make_unique<DeadLoad>(layout(), cell_samples(layout(), densities, variation_of(value)), value);
 }
 
+MembraneTerms Solid::membrane(const ElasticLawSpec& law) const {
+  const auto facets = surface_facets(mesh(), layout(), [](const Point&) { return true; });
+  const LayerShape shape{0.1, {1.1, 0.95}, Point{0.3, 0.5, 0.8}};
+  return make_membrane(layout(), pattern(), facets, shape, {law, {}, 0.02});
+}
+
 std::unique_ptr<DeadLoad> Solid::traction(const std::array<Expression, 3>& value) const {
   const auto facets = facets_of_group(mesh(), layout(), group_named(mesh(), "tip"));
   return std::make_unique<DeadLoad>(layout(), facet_samples(layout(), facets, variation_of(value)), value);

@@ -6,6 +6,7 @@
 #include "energy/load/foundation.hpp"
 #include "energy/load/load.hpp"
 #include "energy/load/pressure.hpp"
+#include "energy/shell/membrane.hpp"
 #include "energy/volume/active_stress.hpp"
 #include "energy/volume/elastic.hpp"
 #include "energy/volume/inertia.hpp"
@@ -78,6 +79,8 @@ class Solid {
   std::unique_ptr<DeadLoad> line_force(const std::array<Expression, 3>& value) const;
   /// Springs and dashpots on the group "tip" [N/m^3, N s/m^3].
   std::unique_ptr<Foundation> foundation(const FoundationStiffness& stiffness, FoundationDirection direction) const;
+  /// A stretched layer with damping on the whole surface.
+  MembraneTerms membrane(const ElasticLawSpec& law) const;
   /// A follower pressure on the group "tip" [Pa].
   std::unique_ptr<FollowerPressure> pressure(const Expression& value) const;
 

@@ -66,6 +66,16 @@ time: {{method: static}}
 rigid_bodies: [{name: tip, center: [0, 1, 1]}]
 time: {method: bdf2, step: 5 ms, end: 1 s}
 """,
+    "shells": f"""mesh: {{file: a.h5}}
+bodies: [{{{BODY}}}]
+shells:
+  - {{name: skin, surface: outside, thickness: 1 mm, density: 1000, prestretch: 1.1, damping: 1 ms,
+     elasticity: {{model: mooney-rivlin, c10: 0.3 MPa, c01: 80 kPa, bulk_modulus: 1 GPa}}}}
+  - {{name: foil, where: "z < 0.1", thickness: 0.1 mm, prestretch: [1.1, 1], direction: [1, 0, 0], bending: true,
+     elasticity: {{model: linear, youngs_modulus: 1 GPa, poissons_ratio: 0.3}}}}
+constraints: [{{surface: left, displacement: [0, 0, 0]}}]
+time: {{method: static}}
+""",
     "tableau": f"""mesh:
   file: 'a.msh'
 bodies:

@@ -86,18 +86,25 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
        "section: {width: "
        "1, height: 1, up: [0, 0, 1], torsion_constant: 1}, density: 1, youngs_modulus: 1, poissons_ratio: 0}, {name: "
        "x, "
-       "curve: c, radius: 1, density: 1, youngs_modulus: 1, poissons_ratio: 0}]"}};
+       "curve: c, radius: 1, density: 1, youngs_modulus: 1, poissons_ratio: 0}]"},
+      {"shells",
+       "[{name: s, surface: a, thickness: 1, density: 1, prestretch: [1, 1.1], direction: [1, 0, 0], damping: 1, "
+       "bending: true, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}}, {name: t, box: [[0, 0, 0], "
+       "[1, 1, 1]], thickness: 1, elasticity: {library: ecoflex-00-30}}, {name: u, where: \"z < 0.1\", thickness: 1, "
+       "prestretch: 1.1, elasticity: {model: linear, youngs_modulus: x, poissons_ratio: 0}}]"}};
   collect_paths(parse_yaml(dump(read(everything, mechanism)), "dump", none), "", written);
   for (std::size_t row = 0; row < elastic_laws().size(); ++row) {
     const ElasticLawSpec law = typical_law(row);
-    std::string body = "[{density: 1, elasticity: {model: " + std::string(law.info().name);
+    std::string model = "elasticity: {model: " + std::string(law.info().name);
     for (std::size_t p = 0; p < law.parameters.size(); ++p) {
-      body += fmt::format(", {}: {}", law.info().parameters[p].name, law.parameters[p]);
+      model += fmt::format(", {}: {}", law.info().parameters[p].name, law.parameters[p]);
     }
     for (std::size_t d = 0; d < law.info().directions.size(); ++d) {
-      body += fmt::format(", {}: [x, {}, 0]", law.info().directions[d], d);
+      model += fmt::format(", {}: [x, {}, 0]", law.info().directions[d], d);
     }
-    collect_paths(parse_yaml(dump(read(everything, {{"bodies", body + "}}]"}})), "dump", none), "", written);
+    const std::string body = "[{density: 1, " + model + "}}]",
+                      shell = "[{name: s, surface: a, thickness: 1, " + model + "}}]";
+    collect_paths(parse_yaml(dump(read(everything, {{"bodies", body}, {"shells", shell}})), "dump", none), "", written);
   }
   collect_paths(
       parse_yaml(dump(read(smallest, {{"bodies", "[{elasticity: {library: ecoflex-00-30}}]"}})), "dump", none), "",

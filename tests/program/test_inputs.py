@@ -16,6 +16,7 @@ SMALL = {
     "four_clubs.yaml": ["mesh.size=0.02", "time.end=0.02"],
     "gripper.yaml": ["time.step=20 ms", "time.end=0.52", "time.events=[]", "contact.friction_update=frozen"],
     "gripper_finger.yaml": ["time.end=0.02"],
+    "layered_finger.yaml": ["mesh.size=12 mm", "element=P1", "time.end=0.06", "time.events=[]"],
     "muscle.yaml": ["mesh.size=0.2", "time.end=0.1"],
     "pile.yaml": ["mesh.size=8 mm", "time.end=0.06", "time.step=0.004"],
     "released_beam.yaml": ["mesh.size=0.2", "time.end=0.1"],

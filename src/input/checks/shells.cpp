@@ -1,0 +1,73 @@
+#include "input/checks/shells.hpp"
+
+#include "input/checks/output.hpp"
+#include "input/elasticity.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+void check_elasticity(const ShellConfig& shell, Diagnostics& diagnostics) {
+  const ElasticityConfig& elasticity = shell.elasticity;
+  const auto refuse_data = [&](const auto& given) {
+    if (given.cell_data.empty()) return;
+    diagnostics.add(given.where, fmt::format("'{}' of shell '{}' is data of cells, and facets have none: give a number "
+                                             "or a formula of x, y, z",
+                                             given.key, shell.name));
+  };
+  std::ranges::for_each(elasticity.constants, refuse_data);
+  std::ranges::for_each(elasticity.directions, refuse_data);
+  if (shell.bends && has_fibres(elasticity)) {
+    diagnostics.add(elasticity.where,
+                    fmt::format("shell '{}' bends, which needs the two moduli of an isotropic law, and a law with "
+                                "fibres has more: choose another law, or 'bending: false'",
+                                shell.name));
+  }
+  if (elasticity.incompressible) {
+    diagnostics.add(elasticity.where,
+                    fmt::format("the thickness of shell '{}' follows from its law, which therefore must be "
+                                "compressible: instead of 'incompressible' give a Poisson's ratio such as 0.4999; "
+                                "plane stress does not lock",
+                                shell.name));
+  }
+}
+
+void check_prestretch(const ShellConfig& shell, Diagnostics& diagnostics) {
+  const std::size_t count = shell.prestretch.size();
+  if (count > 2) {
+    diagnostics.add(shell.where, fmt::format("the prestretch of shell '{}' is one number, or two along and across "
+                                             "'direction', not {}",
+                                             shell.name, count));
+  }
+  if (count == 2 && !shell.direction) {
+    diagnostics.add(
+        {shell.where, {"direction"}}, shell.where,
+        fmt::format("missing key 'direction' of shell '{}': its two prestretches are along and across it", shell.name));
+  }
+}
+
+}  // namespace
+
+void check_shells(const Config& config, Diagnostics& diagnostics) {
+  std::vector<std::string> names;
+  std::vector<Location> places;
+  for (const ShellConfig& shell : config.shells) {
+    names.push_back(shell.name);
+    places.push_back(shell.where);
+    check_elasticity(shell, diagnostics);
+    check_prestretch(shell, diagnostics);
+    if (config.mesh.file.value.empty()) {
+      diagnostics.add(shell.where, fmt::format("shell '{}' lies on a surface of the mesh, which this input lacks: add "
+                                               "'mesh' and 'bodies'",
+                                               shell.name));
+    }
+  }
+  check_unique(names, places, "shell name", diagnostics);
+}
+
+}  // namespace pliant

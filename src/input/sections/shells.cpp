@@ -1,0 +1,45 @@
+#include "input/sections/shells.hpp"
+
+#include "input/formats.hpp"
+#include "input/sections/elasticity.hpp"
+
+namespace pliant {
+
+Section<ShellConfig> shell_keys() {
+  using S = ShellConfig;
+  using SelectionKind = Selection::Kind;
+  return {
+      {
+          field("name", &S::name, column_name(), "name of the layer").required(),
+          selector<S>("surface", SelectionKind::surface,
+                      "surface of bodies, outer or between them, that has the layer"),
+          selector<S>("box", SelectionKind::box, "instead of `surface`: boundary facets inside this box"),
+          selector<S>("where", SelectionKind::where,
+                      "instead of `surface`: boundary facets that satisfy this condition"),
+          field("thickness", &S::thickness, quantity("m", Range::above(0)),
+                "thickness of the layer, before it is stretched by `prestretch`")
+              .required(),
+          field("density", &S::density, quantity("kg/m^3", Range::at_least(0)), "mass density")
+              .otherwise_in_words("that of the elasticity's `library`, else 0"),
+          field("elasticity", &S::elasticity, elasticity_format(),
+                "elastic law, with which the layer is in plane stress")
+              .required(),
+          field("prestretch", &S::prestretch, one_or_list_of(quantity("1", Range::above(0))),
+                "by how much the layer is stretched in its plane where it is put on: in all directions, or [along, "
+                "across] `direction`")
+              .otherwise_in_words("1")
+              .left_out_if([](const S& shell) { return shell.prestretch.empty(); }),
+          field("direction", &S::direction, direction_of_any_length(), "direction of the first of two prestretches")
+              .otherwise_in_words("none; two prestretches need one")
+              .only_with({{"prestretch"}}),
+          field("damping", &S::damping, quantity("s", Range::at_least(0)),
+                "viscosity: resistance to rates of strain in the layer, as this time multiplied by the stiffness at "
+                "rest")
+              .otherwise("0"),
+          field("bending", &S::bends, truth(), "whether the layer resists bending too, as a shell").otherwise("false"),
+      },
+      {{{"surface", "box", "where"}}},
+      &S::where};
+}
+
+}  // namespace pliant

@@ -1,0 +1,113 @@
+#include "model/shells.hpp"
+
+#include "input/checks/volumetric.hpp"
+#include "input/elasticity.hpp"
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+LayerShape shape_of(const ShellConfig& config) {
+  LayerShape shape{config.thickness, {1.0, 1.0}, config.direction};
+  if (!config.prestretch.empty()) shape.stretch = {config.prestretch.front(), config.prestretch.back()};
+  return shape;
+}
+
+/// The area of the facets that this rank owns [m^2].
+double owned_area(const NodeLayout& layout, const FacetList& facets) {
+  const std::vector<double> areas = lumped_masses_of_layer(layout, facets, 1.0);
+  double area = 0.0;
+  for (std::size_t k = 0; k < areas.size(); ++k) {
+    if (facets.is_owned[k / static_cast<std::size_t>(facets.nodes_per_facet)] != 0) area += areas[k];
+  }
+  return area;
+}
+
+void require_compressible_layer(const ElasticLawSpec& law, const ShellConfig& config) {
+  if (!is_incompressible(law)) return;
+  throw InputError(config.elasticity.where,
+                   fmt::format("the thickness of shell '{}' follows from its law, which therefore must be "
+                               "compressible: use a Poisson's ratio such as 0.4999; plane stress does not lock",
+                               config.name));
+}
+
+MembraneTerms membrane_of(const ShellConfig& config, const NodeLayout& layout, const BlockPattern& pattern,
+                          const FacetList& facets) {
+  const ElasticityRule rule(config.elasticity);
+  LayerMaterial material{rule.kind(), {}, config.damping};
+  const auto law_at = [&](const std::array<double, 3>& X) {
+    ElasticLawSpec law = rule.law_at(0, X);
+    require_compressible_layer(law, config);
+    return law;
+  };
+  if (rule.is_uniform()) {
+    material.law = law_at({});
+  } else {
+    material.law_at = law_at;
+  }
+  try {
+    return make_membrane(layout, pattern, facets, shape_of(config), material);
+  } catch (const std::domain_error&) {
+    throw InputError(config.where,
+                     fmt::format("the 'direction' of shell '{}' is at right angles to a facet of its surface, and has "
+                                 "no part in it: choose a direction along the surface, or give parts of the surface "
+                                 "shells of their own",
+                                 config.name));
+  }
+}
+
+/// D = E h^3 / (12 (1 - nu^2)) of the thickness h that the layer has on the surface.
+std::unique_ptr<ShellBending> bending_of(const ShellConfig& config, const NodeLayout& layout, const FacetList& facets) {
+  const ElasticityRule rule(config.elasticity);
+  const double h = shape_of(config).volume_per_area();
+  return std::make_unique<ShellBending>(layout, facets, [&](const std::array<double, 3>& X) {
+    const Lame rest = rule.law_at(0, X).at_rest().value();
+    const double nu = poissons_ratio(rest), E = 2.0 * rest.mu * (1.0 + nu);
+    return BendingStiffness{E * h * h * h / (12.0 * (1.0 - nu * nu)), nu};
+  });
+}
+
+}  // namespace
+
+ModelShells find_shells(const Config& config, const NodeLayout& layout, Selections& selections) {
+  ModelShells result;
+  for (const ShellConfig& shell : config.shells) {
+    ModelShell& on_mesh = result.shells.emplace_back();
+    on_mesh.name = shell.name;
+    on_mesh.facets = selections.facets(shell.part);
+    on_mesh.mass_per_area = shell.density.value_or(0.0) * shape_of(shell).volume_per_area();
+    on_mesh.area = sum(layout.comm, owned_area(layout, on_mesh.facets));
+    const auto owned = std::ranges::count_if(on_mesh.facets.is_owned, [](char is_owned) { return is_owned != 0; });
+    on_mesh.num_facets = sum(layout.comm, static_cast<PetscInt64>(owned));
+  }
+  return result;
+}
+
+void build_shells(const Config& config, const NodeLayout& layout, const BlockPattern& pattern, ModelShells& shells) {
+  on_every_rank(layout.comm, [&] {
+    for (std::size_t k = 0; k < shells.shells.size(); ++k) {
+      ModelShell& shell = shells.shells[k];
+      shell.membrane = membrane_of(config.shells[k], layout, pattern, shell.facets);
+    }
+  });
+  for (std::size_t k = 0; k < shells.shells.size(); ++k) {
+    ModelShell& shell = shells.shells[k];
+    if (config.shells[k].bends) shell.bending = bending_of(config.shells[k], layout, shell.facets);
+  }
+}
+
+void add_masses_of_shells(const NodeLayout& layout, const BlockPattern& pattern, MassKind kind,
+                          const ModelShells& shells, MassMatrix& mass) {
+  for (const ModelShell& shell : shells.shells) {
+    if (shell.mass_per_area == 0.0) continue;
+    add_masses_of_layer(layout, pattern, shell.facets, shell.mass_per_area,
+                        kind == MassKind::consistent ? Mass::consistent : Mass::lumped, mass);
+  }
+}
+
+}  // namespace pliant
