@@ -51,6 +51,13 @@ class Package(unittest.TestCase):
         text = run("/usr/bin/python3", "-c", f"import sys; sys.path.insert(0, {str(packages)!r}); import pliant; print(pliant.__file__)")
         self.assertTrue(text.startswith(str(packages)), text)
 
+    def test_a_simulation_runs_in_the_installed_package(self):
+        packages = self.prefix / "lib/python3/dist-packages"
+        text = run("/usr/bin/python3", "-c", f"""import sys; sys.path.insert(0, {str(packages)!r}); import pliant, _pliant
+sim = pliant.Simulation({str(ROOT / "input/verification/single_tetrahedron.yaml")!r})
+sim.run(); print(sim.done, _pliant.__file__)""")
+        self.assertTrue(text.startswith(f"True {packages}"), text)
+
     def test_the_installed_program_draws(self):
         out = self.directory / "out"
         synthetic.write_result(out, num_frames=1, order=1, cubes=(2, 1, 1))
@@ -116,6 +123,7 @@ class Package(unittest.TestCase):
                               "/usr/share/pliant/meshes/gripper_finger.geo", "/usr/share/pliant/docs/index.md",
                               "/usr/lib/python3/dist-packages/pliant/__init__.py", "/usr/lib/python3/dist-packages/pliant/pictures/start.py",
                               "/usr/share/doc/pliant/copyright"}, content(of_program))
+        self.assertTrue(any(file.startswith("/usr/lib/python3/dist-packages/_pliant.") for file in content(of_program)))
 
         # What a program needs to be built on the libraries is there where this machine's list has it.
         wanted = run(ROOT / "tools/setup.sh", "list", "run").split()
