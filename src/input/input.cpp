@@ -26,7 +26,8 @@ std::string file_text(const std::string& file) {
   if (fs::is_directory(file, ignored)) {
     throw InputError({file, 0, 0}, "this is a directory; name the input file in it");
   }
-  constexpr std::array meshes{".msh", ".geo", ".step", ".stp", ".brep", ".stl"};
+  constexpr std::array meshes{".msh", ".geo", ".step", ".stp", ".brep", ".stl", ".inp",
+                              ".vtk", ".vtu", ".med",  ".bdf", ".nas",  ".unv", ".mesh"};
   const std::string extension = fs::path(file).extension().string();
   if (std::ranges::find(meshes, extension) != meshes.end()) {
     throw InputError({file, 0, 0},

@@ -29,8 +29,10 @@ Section<MeshConfig> mesh_keys() {
   return {{
       field(
           "file", &MeshConfig::file, text(),
-          "geometry or mesh, relative to the input file; .geo, .step, .brep and .stl are meshed by gmsh, .msh (2.2 or "
-          "4.1, text or binary) is read as it is; .h5, made by `pliant mesh convert`, is read in parts by every rank")
+          "geometry or mesh, relative to the input file; .geo, .step, .brep and .stl are meshed by gmsh; .msh (2.2 or "
+          "4.1, text or binary), .inp (Abaqus, CalculiX), .vtk, .vtu, .med, .bdf, .nas, .unv and .mesh (Medit) are "
+          "read "
+          "as they are, with their sets as groups; .h5, made by `pliant mesh convert`, is read in parts by every rank")
           .required(),
       field("size", &MeshConfig::size, quantity("m", Range::above(0)),
             "target element size for files that gmsh meshes, in metres after scaling")

@@ -1,5 +1,12 @@
 #include "mesh/gmsh_import.hpp"
 
+#include "mesh/formats/abaqus_reader.hpp"
+#include "mesh/formats/med_reader.hpp"
+#include "mesh/formats/medit_reader.hpp"
+#include "mesh/formats/nastran_reader.hpp"
+#include "mesh/formats/unv_reader.hpp"
+#include "mesh/formats/vtk_reader.hpp"
+#include "mesh/formats/vtu_reader.hpp"
 #include "mesh/gmsh_module.hpp"
 #include "mesh/isolated.hpp"
 #include "mesh/kept_mesh.hpp"
@@ -23,6 +30,13 @@ const std::map<std::string, Geometry> geometries{{".geo", Geometry::script},
                                                  {".stp", Geometry::cad},
                                                  {".brep", Geometry::cad},
                                                  {".stl", Geometry::surface}};
+
+/// gmsh could read most of these too, but loses all groups of other formats, takes what is left of truncated files for
+/// the whole, and crashes on some.
+using MeshReader = SerialMesh (*)(const std::string& file);
+const std::map<std::string, MeshReader> readers{{".msh", read_msh},     {".inp", read_abaqus}, {".vtk", read_vtk},
+                                                {".vtu", read_vtu},     {".mesh", read_medit}, {".bdf", read_nastran},
+                                                {".nas", read_nastran}, {".unv", read_unv},    {".med", read_med}};
 
 std::string extension_of(const std::string& file) {
   std::string extension = std::filesystem::path(file).extension().string();
@@ -59,13 +73,16 @@ void require_whole_script(const std::string& file) {
 
 SerialMesh import_mesh(const MeshSource& source) {
   const std::string extension = extension_of(source.file);
-  if (extension != ".msh" && !geometries.contains(extension)) {
+  const auto reader = readers.find(extension);
+  if (reader == readers.end() && !geometries.contains(extension)) {
     throw MeshDefect(
-        "its extension is unknown: meshes are .msh or .h5; geometry is .geo, .step, .stp, .brep or .stl; "
-        "gmsh and meshio convert many others to .msh");
+        "its extension is unknown: meshes are .msh, .inp, .vtk, .vtu, .med, .bdf, .nas, .unv, .mesh or .h5; geometry "
+        "is "
+        ".geo, .step, .stp, .brep or .stl; gmsh and meshio convert many others to .msh");
   }
   require_readable(source.file);
-  if (extension == ".msh") return read_msh(source.file);
+  if (extension == ".med") return isolated({Suspect::med}, [&] { return read_med(source.file); });
+  if (reader != readers.end()) return reader->second(source.file);
   if (extension == ".brep") require_whole_brep(source.file);
   if (extension == ".geo") require_whole_script(source.file);
   const auto make = [&] {

@@ -1,13 +1,14 @@
-/// Reads files with gmsh: meshes as they are, geometry after meshing it.
+/// Reads meshes as they are, and geometry after gmsh has meshed it.
 #pragma once
 
 #include "mesh/serial_mesh.hpp"
 
 namespace pliant {
 
-/// Reads `source.file` with gmsh on this rank alone, meshes it if it is geometry, and frees all memory of gmsh.
+/// Reads `source.file` on this rank alone; meshes it with gmsh if it is geometry, and frees all memory of gmsh.
 ///
 /// * .msh (2.2, 4.1; ascii, binary): as it is; `size` does not apply.
+/// * .inp, .vtk, .vtu, .med, .bdf, .nas, .unv, .mesh: likewise (mesh/formats).
 /// * .geo: run by gmsh's own interpreter. A `size` overrides every size of the file (points, fields, curvature,
 ///   and with the OpenCASCADE kernel transfinite divisions; those of the built-in kernel and its extrusion layers stay,
 ///   with a notice).

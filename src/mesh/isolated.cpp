@@ -41,6 +41,10 @@ Packer outcome_of(const std::function<SerialMesh()>& work) {
     throw MeshDefect("the HDF5 library crashed while reading it (" + end.how +
                      "): the file is damaged; write it again with `pliant mesh convert`");
   }
+  if (isolation.suspect == Suspect::med) {
+    throw MeshDefect("the HDF5 library crashed while reading it (" + end.how +
+                     "): the file is damaged; write or copy it again");
+  }
   if (end.exited) throw MeshDefect("the file made gmsh exit before it had a mesh: remove its Exit or Abort command");
   throw MeshDefect(
       "gmsh crashed while working on it (" + end.how +

@@ -8,8 +8,8 @@
 
 namespace pliant {
 
-/// The library that may crash.
-enum class Suspect { gmsh, hdf5 };
+/// The library that may crash: gmsh, or HDF5 in a mesh of Pliant or in a MED file.
+enum class Suspect { gmsh, hdf5, med };
 
 /// The rights of the child process, and its time limit.
 struct Isolation {

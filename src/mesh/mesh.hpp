@@ -73,8 +73,8 @@ struct MeshCurve {
 
 /// Where a mesh comes from.
 struct MeshSource {
-  std::string file;  ///< empty: what is added is all; .geo .step .stp .brep .stl are meshed by gmsh; .msh and .h5 are
-                     ///< read as they are
+  std::string file;  ///< empty: what is added is all; .geo .step .stp .brep .stl are meshed by gmsh; .msh, .h5, .inp,
+                     ///< .vtk, .vtu, .med, .bdf, .nas, .unv and .mesh are read as they are
   Location where;    ///< the place in the user's input that names the file, for messages
   std::optional<double> size;  ///< target element size in the unit of the file, where gmsh meshes it
   double scale = 1.0;          ///< coordinates are multiplied by it

@@ -140,8 +140,8 @@ void MeshCollector::drop_ungrouped_cells() {
                           " tetrahedra are in no physical volume and were left out");
 }
 
-SerialMesh MeshCollector::finish() {
-  const bool groups_only = has_grouped_cells();
+SerialMesh MeshCollector::finish(Ungrouped ungrouped) {
+  const bool groups_only = ungrouped == Ungrouped::left_out && has_grouped_cells();
   reject_other_elements(groups_only);
   if (mesh_.cells.empty()) reject_without_tetrahedra();
   if (!mesh_.mid_nodes.empty() && mesh_.mid_nodes.size() != 6 * mesh_.num_cells()) {

@@ -10,6 +10,10 @@
 
 namespace pliant {
 
+/// What becomes of tetrahedra in no physical volume where there are physical volumes: gmsh's files leave them out,
+/// those of others have sets that may overlap, and keep all.
+enum class Ungrouped { left_out, kept };
+
 /// Takes all nodes at once and the elements one by one; `finish` decides which are used: the tetrahedra of the physical
 /// volumes if there are any, else all.
 class MeshCollector {
@@ -29,7 +33,7 @@ class MeshCollector {
   void add_data(CellField data, std::vector<std::size_t> element_tags);
 
   /// Throws MeshDefect if there are no tetrahedra, other volume elements, or a mixture of orders.
-  SerialMesh finish();
+  SerialMesh finish(Ungrouped ungrouped = Ungrouped::left_out);
 
  private:
   struct Count {

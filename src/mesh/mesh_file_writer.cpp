@@ -122,7 +122,7 @@ void write_mesh_file(const std::string& file, SerialMesh& mesh) {
   if (mesh.geometry_order() != 1) {
     throw MeshDefect(
         "its second-order tetrahedra are curved, but the HDF5 format supports only straight ones: mesh it with "
-        "first-order elements (Mesh.ElementOrder = 1), or use the .msh file itself");
+        "first-order elements (Mesh.ElementOrder = 1), or use the file itself");
   }
   sort_along_curve(mesh);
   // The file gets this name only when it is complete.

@@ -29,7 +29,7 @@ class MshCursor {
   T number(const char* what) {
     if (encoding_ == Encoding::ascii) {
       if constexpr (std::is_floating_point_v<T>) {
-        return real(what);
+        return static_cast<T>(real(what));
       } else {
         return static_cast<T>(
             integer(what, static_cast<std::int64_t>(std::is_unsigned_v<T> ? 0 : lowest<T>()), highest<T>()));

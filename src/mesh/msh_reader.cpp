@@ -4,9 +4,9 @@
 #include "mesh/element_type.hpp"
 #include "mesh/mesh_collector.hpp"
 #include "mesh/msh_cursor.hpp"
+#include "mesh/source_checks.hpp"
 
 #include <cstdlib>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <set>
@@ -16,16 +16,6 @@
 
 namespace pliant {
 namespace {
-
-std::string contents(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary | std::ios::ate);
-  const auto size = stream.tellg();
-  if (!stream || size < 0) throw FileError("mesh file '" + file + "' cannot be opened");
-  std::string bytes(static_cast<std::size_t>(size), '\0');
-  stream.seekg(0);
-  if (!stream.read(bytes.data(), size)) throw FileError("mesh file '" + file + "' cannot be read to its end");
-  return bytes;
-}
 
 // The fewest bytes of an item: in ascii a digit and a blank times its numbers; binary items take more.
 constexpr std::size_t bytes_of(std::size_t num_numbers) {
@@ -380,7 +370,7 @@ SerialMesh MshFile::read() {
 }  // namespace
 
 SerialMesh read_msh(const std::string& file) {
-  const std::string bytes = contents(file);
+  const std::string bytes = file_contents(file);
   return MshFile(bytes).read();
 }
 

@@ -32,6 +32,16 @@ void require_readable(const std::string& file) {
   if (stream.peek() == std::ifstream::traits_type::eof()) throw MeshDefect("it is empty");
 }
 
+std::string file_contents(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary | std::ios::ate);
+  const auto size = stream.tellg();
+  if (!stream || size < 0) throw FileError("mesh file '" + file + "' cannot be opened");
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  stream.seekg(0);
+  if (!stream.read(bytes.data(), size)) throw FileError("mesh file '" + file + "' cannot be read to its end");
+  return bytes;
+}
+
 void require_plain_name(const std::string& name) {
   if (std::ranges::none_of(name, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; })) return;
   throw MeshDefect("the name '" + excerpt(name) + "' contains a line feed or another control character: rename it");

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 
 namespace pliant {
 
@@ -13,6 +14,9 @@ void telling_the_user(const MeshSource& source, const std::function<void()>& wor
 
 /// Throws MeshDefect if the file does not exist, is empty, or is a pipe or a device; FileError if it may not be read.
 void require_readable(const std::string& file);
+
+/// The whole contents of the file. Throws FileError if it cannot be read.
+std::string file_contents(const std::string& file);
 
 /// Throws MeshDefect if the name of a group or of data has control characters: names are printed, and separate fields
 /// in messages between ranks.

@@ -15,6 +15,7 @@ import sys
 import h5py
 import numpy as np
 
+import bad_formats
 from bricks import TETRAHEDRON, Brick, write_parts
 
 TRIANGLE_6, TETRAHEDRON_10, HEXAHEDRON, PRISM, PYRAMID, TETRAHEDRON_20 = 9, 11, 5, 6, 7, 29  # gmsh's element types
@@ -124,8 +125,8 @@ BAD = {
     "a picture": ("a.msh", b"\x89PNG\r\n\x1a\n" + bytes(range(256)), r"begin with \$MeshFormat"),
     "packed": ("a.msh", b"\x1f\x8b\x08\x00" + bytes(range(200)), r"begin with \$MeshFormat"),
     "another mesher's": ("a.msh", b"(0 \"FLUENT\")\n(2 3)\n", r"begin with \$MeshFormat"),
-    "a name without an ending": ("mesh", text(), "extension .*meshes are .msh or .h5"),
-    "a name of another ending": ("a.vtk", text(), "extension .*meshes are .msh or .h5"),
+    "a name without an ending": ("mesh", text(), "extension .*meshes are .msh, .inp"),
+    "a name of another ending": ("a.ply", text(), "extension .*meshes are .msh, .inp"),
     "version 1": ("a.msh", b"$NOD\n1\n1 0 0 0\n$ENDNOD\n", "2.2 or 4.1"),
     "version 3": ("a.msh", replaced(b"2.2 0 8", b"3.0 0 8"), "line 2: version 3 .*convert it: gmsh"),
     "version 4.0": ("a.msh", replaced(b"2.2 0 8", b"4.0 0 8"), "line 2: version 4 .*convert it: gmsh"),
@@ -317,7 +318,7 @@ def as_file(name):
 
 def write_all(directory):
     """Returns, for each, its name, its file in the directory and the pattern of the message."""
-    cases = []
+    cases = bad_formats.write_all(directory)
     for name, (kind, content, words) in BAD.items():
         file = as_file(name) + os.path.splitext(kind)[1]
         if b"@LINE " in content:
