@@ -253,7 +253,7 @@ probes: [{name: tip, point: [0.1, 0.01, 0.01]}]
             "which gravity needs": line + "loads: [{gravity: [0, 0, -1]}]\n",
             "rod 'beam' has the same point twice": line.replace("[1, 0, 0]]", "[1, 0, 0], [1, 0, 0]]"),
             "turns back on itself": line.replace("[1, 0, 0]]", "[1, 0, 0], [0.5, 0, 0]]"),
-            "there is no mesh": line.replace("points: [[0, 0, 0], [1, 0, 0]]", "curve: wire"),
+            "follows a curve of the mesh, which this input lacks": line.replace("points: [[0, 0, 0], [1, 0, 0]]", "curve: wire"),
             "names a rod and a probe": line + "probes: [{name: beam, point: [0, 0, 0]}]\n",
         }
         self.write("in.yaml", SHAKEN + "time: {method: bdf2, step: 2 ms, end: 0.2}\n")
