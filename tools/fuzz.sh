@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Builds the fuzzers of everything that reads files (docs/developer/hygiene.md) and runs each.
 #
-#   tools/fuzz.sh [SECONDS [NAME ...]]      default: 60 seconds each of input, msh, mesh_file, surface, triangles, result, checkpoint
+#   tools/fuzz.sh [SECONDS [NAME ...]]      default: 60 seconds each of input, msh, abaqus, nastran, medit, unv, vtk, vtu, med,
+#                                         mesh_file, surface, triangles, result, checkpoint
 #
 # Starts from tests/fuzz/corpus and what earlier runs kept in build-fuzz/corpus. A finding ends the fuzzer; it lies in
 # build-fuzz/findings and is shown again by: build-fuzz/bin/fuzz_NAME FILE
@@ -14,7 +15,7 @@ source "$root/tools/environment.sh"
 seconds=${1:-60}
 [[ $seconds =~ ^[0-9]+$ ]] || fail "usage: tools/fuzz.sh [SECONDS [NAME ...]]"
 names=("${@:2}")
-((${#names[@]} > 0)) || names=(input msh mesh_file surface triangles result checkpoint)
+((${#names[@]} > 0)) || names=(input msh abaqus nastran medit unv vtk vtu med mesh_file surface triangles result checkpoint)
 fuzz=$root/build-fuzz
 
 command -v clang++-16 >/dev/null || fail "clang is needed: apt-get install clang-16 libclang-rt-16-dev"
@@ -56,7 +57,7 @@ for name in "${names[@]}"; do
     dictionary=(-dict="$root/tests/fuzz/$name.dict")
   fi
   processes=()
-  if [[ $name =~ ^(mesh_file|result|checkpoint)$ ]]; then
+  if [[ $name =~ ^(mesh_file|med|result|checkpoint)$ ]]; then
     # HDF5 crashes over some files, and keeps the memory of files that it cannot close: a new process then.
     processes=(-fork=1 -ignore_ooms=1 -ignore_crashes=1)
   fi

@@ -6,6 +6,7 @@
 #include "input/located.hpp"
 #include "input/material_config.hpp"
 #include "input/mechanism_config.hpp"
+#include "input/mesh_config.hpp"
 #include "input/output_config.hpp"
 #include "input/selection.hpp"
 #include "input/shell_config.hpp"
@@ -28,15 +29,6 @@ enum class ElementOrder { p1 = 1, p2 = 2 };
 /// How bodies resist a change of volume: at every point, by the mean over each cell, or by pressures as unknowns.
 enum class VolumetricTreatment { standard, mean_dilatation, mixed };
 enum class MassKind { consistent, lumped };
-
-struct MeshConfig {
-  Located<std::string> file;   ///< resolved against the input file's directory
-  std::optional<double> size;  ///< [m]
-  double scale = 1.0;
-  int refine = 0;
-  bool allow_commands = false;
-  double time_limit = 3600.0;  ///< [s]
-};
 
 /// A mechanism of damping.
 struct ViscosityConfig {

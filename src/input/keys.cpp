@@ -25,6 +25,28 @@ namespace {
 
 using SelectionKind = Selection::Kind;
 
+Section<LocalSizeConfig> local_size_keys() {
+  using L = LocalSizeConfig;
+  return {
+      {
+          field("surface", &L::surface, text(), "name or number of a physical surface of the geometry")
+              .left_out_if([](const L& local) { return local.surface.empty(); }),
+          field("curve", &L::curve, text(), "of a physical curve").left_out_if([](const L& local) {
+            return local.curve.empty();
+          }),
+          field("point", &L::point, text(), "of a physical point").left_out_if([](const L& local) {
+            return local.point.empty();
+          }),
+          field("size", &L::size, quantity("m", Range::above(0)), "target element size there, in metres after scaling")
+              .required(),
+          field("distance", &L::distance, quantity("m", Range::above(0)),
+                "distance over which the size grows to that elsewhere, in metres after scaling")
+              .required(),
+      },
+      {{{"surface", "curve", "point"}, KeyGroup::Need::exactly_one}},
+      &L::where};
+}
+
 Section<MeshConfig> mesh_keys() {
   return {{
       field(
@@ -37,6 +59,8 @@ Section<MeshConfig> mesh_keys() {
       field("size", &MeshConfig::size, quantity("m", Range::above(0)),
             "target element size for files that gmsh meshes, in metres after scaling")
           .otherwise_in_words("the geometry's own"),
+      field("sizes", &MeshConfig::sizes, list_of(map_of(local_size_keys()), 0),
+            "smaller elements at physical groups of geometry that gmsh meshes; the smallest size counts"),
       field("scale", &MeshConfig::scale, quantity("1", Range::above(0)), "coordinates are multiplied by it")
           .otherwise("1"),
       field("refine", &MeshConfig::refine, integer(Range::from_to(0, 6)),

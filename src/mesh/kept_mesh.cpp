@@ -116,6 +116,9 @@ void keep(const fs::path& file, const std::string& recipe, const SerialMesh& mes
 std::string recipe_of(const MeshSource& source, const std::vector<fs::path>& files) {
   std::string recipe = fmt::format("pliant {} gmsh {} index {} size {} scale {}\n", PLIANT_VERSION, GMSH_API_VERSION,
                                    sizeof(PetscInt), source.size.value_or(0.0), source.scale);
+  for (const LocalSize& local : source.sizes) {
+    recipe += fmt::format("{} {} {} {}\n", local.dimension, local.name, local.size, local.distance);
+  }
   for (const fs::path& file : files) {
     const auto bytes = contents_of(file);
     if (!bytes) throw FileError(file.string() + ": cannot be read");

@@ -71,6 +71,14 @@ struct MeshCurve {
   std::vector<Edge> edges;
 };
 
+/// A target element size at a physical group, from where it grows linearly to the size elsewhere.
+struct LocalSize {
+  int dimension = 2;      ///< of the group: 0 points, 1 curves, 2 surfaces
+  std::string name;       ///< or number of the group
+  double size = 0.0;      ///< at the group, in the unit of the file
+  double distance = 0.0;  ///< where the size elsewhere is reached, in the unit of the file
+};
+
 /// Where a mesh comes from.
 struct MeshSource {
   std::string file;  ///< empty: what is added is all; .geo .step .stp .brep .stl are meshed by gmsh; .msh, .h5, .inp,
@@ -89,6 +97,8 @@ struct MeshSource {
   std::vector<AddedRod> added_rods = {};
   /// Names or numbers of physical curves wanted as Mesh::curves.
   std::vector<std::string> curves = {};
+  /// For geometry that gmsh meshes; the smallest counts where several reach.
+  std::vector<LocalSize> sizes = {};
   std::size_t num_added() const { return added_tetrahedra.size() + added_volumes.size() + added_rods.size(); }
 };
 

@@ -56,6 +56,11 @@ void require_sane(const MeshSource& source) {
   if (!reasons.empty()) throw MeshDefect(reasons);
 }
 
+void require_no_local_sizes(const MeshSource& source) {
+  if (source.sizes.empty()) return;
+  throw MeshDefect("it is a mesh already, to which 'mesh.sizes' does not apply: remove it, or name the geometry");
+}
+
 void require_enough_cells(std::int64_t num_cells, int num_ranks) {
   if (num_cells >= num_ranks) return;
   throw MeshDefect("it has " + std::to_string(num_cells) + " tetrahedra for " + std::to_string(num_ranks) +

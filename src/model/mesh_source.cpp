@@ -11,6 +11,21 @@
 
 namespace pliant {
 
+namespace {
+
+// Lengths in the input are in metres, those of gmsh in the unit of the geometry.
+std::vector<LocalSize> local_sizes(const MeshConfig& mesh) {
+  std::vector<LocalSize> sizes;
+  for (const LocalSizeConfig& local : mesh.sizes) {
+    const int dimension = !local.surface.empty() ? 2 : !local.curve.empty() ? 1 : 0;
+    sizes.push_back(
+        {dimension, local.surface + local.curve + local.point, local.size / mesh.scale, local.distance / mesh.scale});
+  }
+  return sizes;
+}
+
+}  // namespace
+
 MeshSource mesh_source(const Config& given) {
   const Config config = with_rigid_bodies(given);
   // The size in the input is in metres, that of gmsh in the unit of the geometry.
@@ -29,7 +44,8 @@ MeshSource mesh_source(const Config& given) {
           added_tetrahedra(config),
           added_volumes(config),
           added_rods(config),
-          std::move(curves)};
+          std::move(curves),
+          local_sizes(config.mesh)};
 }
 
 }  // namespace pliant

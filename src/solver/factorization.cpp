@@ -135,7 +135,9 @@ void Factorization::set_up_multigrid(Mat K) {
   check(PCSetUp(multigrid_.get()));
   PCFailedReason failure = PC_NOERROR;
   check(PCGetFailedReason(multigrid_.get(), &failure));
-  if (failure != PC_NOERROR) outcome_ = SetUp::singular;
+  if (failure == PC_NOERROR) return;
+  outcome_ = SetUp::singular;
+  check(PCReset(multigrid_.get()));  // as in set_up_with_workspace
 }
 
 void Factorization::apply(Vec b, Vec x) {

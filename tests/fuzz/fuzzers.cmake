@@ -24,12 +24,15 @@ target_link_libraries(pliant_fuzzed_input PUBLIC pliant_time yaml-cpp nlohmann_j
 
 pliant_fuzzer(input read_as_input input.cpp pliant_fuzzed_input)
 pliant_fuzzer(msh read_as_msh meshes.cpp pliant_mesh)
+foreach(name abaqus nastran medit unv vtk vtu med)
+  pliant_fuzzer(${name} read_as_${name} meshes.cpp pliant_mesh)
+endforeach()
 pliant_fuzzer(mesh_file read_as_mesh_file meshes.cpp pliant_mesh)
 pliant_fuzzer(checkpoint read_as_checkpoint checkpoint.cpp pliant_io)
 pliant_fuzzer(surface read_as_surface meshes.cpp pliant_mesh)
 pliant_finds_gmsh(fuzz_surface)
 pliant_fuzzer(triangles read_as_triangles triangles.cpp pliant_fem)
 pliant_fuzzer(result read_as_result results.cpp pliant_io)
-foreach(name mesh_file result)
+foreach(name mesh_file med result)
   target_sources(fuzz_${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/in_place/child_process.cpp)  # instead of the library's
 endforeach()

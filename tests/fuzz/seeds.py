@@ -11,6 +11,7 @@ import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "mesh"))
 
+from other_formats import Body, abaqus, medit, nastran, unv, vtk, vtu, write_med  # noqa: E402
 from bricks import Brick, write_parts  # noqa: E402
 
 CORPUS = pathlib.Path(__file__).resolve().parent / "corpus"
@@ -101,6 +102,25 @@ def element_data(brick):
     return "\n".join(["$ElementData", "1", '"stiffness"', "1", "0.0", "3", "0", "1", str(len(rows)), *rows, "$EndElementData", ""])
 
 
+def write_other_formats():
+    """Twelve cells, of first and second order, in the formats of other programs."""
+    first, second = (Body(order, (2, 1, 1)) for order in (1, 2))
+    seeds = {"abaqus/plain.inp": abaqus(first), "abaqus/parts.inp": abaqus(first, parts=True), "abaqus/second_order.inp": abaqus(second),
+             "nastran/free.bdf": nastran(first), "nastran/large.bdf": nastran(first, "large"), "nastran/second_order.bdf": nastran(second),
+             "medit/first_order.mesh": medit(first), "medit/second_order.mesh": medit(second), "medit/cut.mesh": medit(first)[:500],
+             "unv/first_order.unv": unv(first), "unv/second_order.unv": unv(second), "unv/cut.unv": unv(first)[:2500],
+             "vtk/text.vtk": vtk(first), "vtk/bytes.vtk": vtk(first, binary=True), "vtk/second_order.vtk": vtk(second, version="5.1"),
+             "vtu/text.vtu": vtu(first), "vtu/packed.vtu": vtu(first, "zlib"), "vtu/second_order.vtu": vtu(second, "raw zlib", "UInt64")}
+    for name, content in seeds.items():
+        (CORPUS / name).parent.mkdir(parents=True, exist_ok=True)
+        (CORPUS / name).write_bytes(content)
+    (CORPUS / "med").mkdir(exist_ok=True)
+    write_med(first, CORPUS / "med/first_order.med")
+    write_med(second, CORPUS / "med/second_order.med")
+    whole = (CORPUS / "med/first_order.med").read_bytes()
+    (CORPUS / "med/cut.med").write_bytes(whole[: len(whole) // 2])
+
+
 def write_checkpoint(path):
     with h5py.File(path, "w", userblock_size=512) as file:
         texts = {"title": "a run", "mesh": "0123", "program": "pliant 0", "petsc_options": "-a"}
@@ -159,6 +179,7 @@ def main():
     for name, content in {"text2": small(Brick()).msh2() + element_data(small(Brick())).encode(), "text4": small(Brick()).msh4(),
                           "bytes2": small(Brick()).msh2(binary=True), "bytes4": small(Brick()).msh4(binary=True, order=">")}.items():
         (CORPUS / "msh" / f"{name}.msh").write_bytes(content)
+    write_other_formats()
     write_parts(CORPUS / "mesh_file" / "three_cells.h5")
     write_parts(CORPUS / "mesh_file" / "data.h5", with_data)
     write_parts(CORPUS / "mesh_file" / "packed.h5", packed)

@@ -18,6 +18,14 @@ struct Target {
 void read_as_input(std::string_view bytes);
 /// A gmsh mesh with all that follows until it lies in PETSc.
 void read_as_msh(std::string_view bytes);
+/// Likewise meshes of other programs.
+void read_as_abaqus(std::string_view bytes);
+void read_as_nastran(std::string_view bytes);
+void read_as_medit(std::string_view bytes);
+void read_as_unv(std::string_view bytes);
+void read_as_vtk(std::string_view bytes);
+void read_as_vtu(std::string_view bytes);
+void read_as_med(std::string_view bytes);
 /// A mesh in Pliant's own format.
 void read_as_mesh_file(std::string_view bytes);
 /// A surface of triangles (.stl), which gmsh reads in a process of its own: what comes back from there.

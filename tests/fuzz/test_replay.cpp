@@ -83,13 +83,17 @@ TEST_P(Reader, TakesOrRefusesWhatIsDamaged) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Reader,
-                         ::testing::Values(Target{"input", read_as_input}, Target{"msh", read_as_msh},
-                                           Target{"mesh_file", read_as_mesh_file, /*rounds=*/40},
-                                           Target{"surface", read_as_surface, /*rounds=*/10},
-                                           Target{"triangles", read_as_triangles}, Target{"result", read_as_result},
-                                           Target{"checkpoint", read_as_checkpoint}),
-                         [](const auto& target) { return std::string(target.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    All, Reader,
+    ::testing::Values(Target{"input", read_as_input}, Target{"msh", read_as_msh},
+                      Target{"abaqus", read_as_abaqus, /*rounds=*/200},
+                      Target{"nastran", read_as_nastran, /*rounds=*/200},
+                      Target{"medit", read_as_medit, /*rounds=*/200}, Target{"unv", read_as_unv, /*rounds=*/200},
+                      Target{"vtk", read_as_vtk, /*rounds=*/200}, Target{"vtu", read_as_vtu, /*rounds=*/200},
+                      Target{"med", read_as_med, /*rounds=*/40}, Target{"mesh_file", read_as_mesh_file, /*rounds=*/40},
+                      Target{"surface", read_as_surface, /*rounds=*/10}, Target{"triangles", read_as_triangles},
+                      Target{"result", read_as_result}, Target{"checkpoint", read_as_checkpoint}),
+    [](const auto& target) { return std::string(target.param.name); });
 
 }  // namespace
 }  // namespace pliant::fuzz::test_replay

@@ -18,6 +18,7 @@ inline const std::string everything = R"yaml(title: "cantilever: under \"gravity
 mesh:
   file: ../meshes/cantilever.geo
   size: 20 mm
+  sizes: [{surface: clamp, size: 5 mm, distance: 20 mm}, {curve: edge, size: 1 mm, distance: 2 mm}, {point: 7, size: 1 mm, distance: 1 mm}]
   scale: 1e-3
   refine: 2
 element: P2

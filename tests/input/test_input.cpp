@@ -68,6 +68,11 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(c.title, "cantilever: under \"gravity\"");
   EXPECT_EQ(c.mesh.file.value, "input/../meshes/cantilever.geo");
   EXPECT_EQ(c.mesh.size, 0.02);
+  ASSERT_EQ(c.mesh.sizes.size(), 3u);
+  EXPECT_EQ(c.mesh.sizes[0].surface, "clamp");
+  EXPECT_EQ(c.mesh.sizes[0].size, 0.005);
+  EXPECT_EQ(c.mesh.sizes[0].distance, 0.02);
+  EXPECT_EQ(c.mesh.sizes[2].point, "7");
   EXPECT_EQ(c.mesh.scale, 1e-3);
   EXPECT_EQ(c.mesh.refine, 2);
   EXPECT_EQ(c.element, ElementOrder::p2);
@@ -89,7 +94,7 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(kelvin_voigt.shear, 20);
   EXPECT_EQ(kelvin_voigt.bulk, 1e-3);
   EXPECT_EQ(damped.rate, StrainRate::exact);
-  EXPECT_EQ(damped.where.line, 13);
+  EXPECT_EQ(damped.where.line, 14);
   EXPECT_EQ(maxwell.shear_modulus, 1000);
   EXPECT_EQ(maxwell.bulk_modulus, 2000);
   EXPECT_EQ(maxwell.relaxation_time, 5e-3);
@@ -148,7 +153,7 @@ TEST(Input, EveryValueArrivesInSI) {
   const VectorExpression& traction = std::get<L::Traction>(c.loads[2].kind).value;
   EXPECT_EQ(traction[1](0, 0, 0, 0), 2000);
   EXPECT_TRUE(traction[2].depends_on_time());
-  EXPECT_EQ(c.loads[2].where.line, 43);
+  EXPECT_EQ(c.loads[2].where.line, 44);
   EXPECT_EQ(c.loads[3].part.kind, Selection::Kind::box);
   EXPECT_EQ(std::get<L::Traction>(c.loads[3].kind).value[2](0, 0, 0, 0), 1.0 / 3.0);
   EXPECT_EQ(c.loads[5].part.name, "inside");
@@ -180,7 +185,7 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(c.initial.velocity[1](0, 2, 0, 0), -2);
   EXPECT_DOUBLE_EQ(c.initial.velocity[2](0, 0, 0, 0), 3 / 3.6);
   EXPECT_EQ(method_name(c.time.method), "bdf2");
-  EXPECT_EQ(c.time.method.where.line, 55);
+  EXPECT_EQ(c.time.method.where.line, 56);
   EXPECT_EQ(c.time.min_step, 1e-6);
   EXPECT_EQ(c.solver.linear, LinearSolver::cholesky);
   EXPECT_EQ(c.solver.newton.absolute, 1e-3);

@@ -22,10 +22,10 @@ SWAPPED = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # gmsh's order of nodes from that of V
 class Body:
     """A box of 48 tetrahedra: volumes "near" (1, x < 1/2) and "far" (2), surfaces of its sides (3 to 8)."""
 
-    def __init__(self, order=1):
+    def __init__(self, order=1, n=(2, 2, 2)):
         bend = None if order == 1 else lambda p: p + np.stack([0 * p[..., 0], 0 * p[..., 0], 0.1 * p[..., 0] ** 2], axis=-1)
         self.order = order
-        self.points, triangles, self.cells = box((2, 2, 2), order=order, shape=bend)
+        self.points, triangles, self.cells = box(n, order=order, shape=bend)
         near = self.points[self.cells[:, :4], 0].mean(axis=1) < 0.5
         self.cells = np.concatenate([self.cells[near], self.cells[~near]])
         self.num_near = int(near.sum())

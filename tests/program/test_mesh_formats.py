@@ -74,6 +74,23 @@ class OtherFormats(MistakesTest):
                     self.assertEqual(found_numbers, number)
                 self.assertEqual(found, wanted)
 
+    def test_what_is_not_taken_over_is_noted(self):
+        body = Body()
+        files = {
+            "mm.unv": (other_formats.unv(body).replace(b"         1  SI: Metre", b"         5  mm (milli)"), "lengths are millimetres"),
+            "shells.inp": (other_formats.abaqus(body).replace(b"*Elset, elset=all", b"*Element, type=S4R\n999, 1, 2, 3, 4\n*Elset, elset=all"),
+                           "left out: 1 of type S4R"),
+            "two.vtk": (other_formats.vtk(body).replace(b"SCALARS region int", b"SCALARS part int")
+                        + other_formats.lines("SCALARS colour int", "LOOKUP_TABLE default", *[1] * 96), "('part', 'colour'), and no groups were made"),
+        }
+        for name, (content, _) in files.items():
+            (self.directory / name).write_bytes(content)
+        done = self.pool.map(lambda name: finish(start(["mesh", "convert", name, name + ".h5"], self.directory), 60), files)
+        for (name, (_, words)), result in zip(files.items(), done):
+            with self.subTest(name):
+                self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+                self.assertIn(words, result.stdout + result.stderr)
+
     def test_second_order_meshes_run_as_those_of_gmsh(self):
         names = ["body.msh", *other_formats.write_all(self.directory, 2)]
         if not LONG:

@@ -51,6 +51,7 @@ class UnvFile {
   void needed_line(const char* what);
   std::vector<std::int64_t> integers(std::size_t least, const char* what);
   void skip();
+  void read_unit();
   void read_nodes(bool in_one_line);
   void read_elements();
   void read_groups(std::size_t numbers_each);
@@ -104,6 +105,29 @@ void UnvFile::skip() {
   } while (!at_end());
 }
 
+/// Notes units of length other than the metre. They are not converted, as those of other formats are not.
+void UnvFile::read_unit() {
+  struct Unit {
+    std::int64_t code;
+    const char* name;
+    const char* scale;
+  };
+  static constexpr std::array<Unit, 6> units{{{2, "feet", "0.3048"},
+                                              {4, "feet", "0.3048"},
+                                              {5, "millimetres", "0.001"},
+                                              {6, "centimetres", "0.01"},
+                                              {7, "inches", "0.0254"},
+                                              {8, "millimetres", "0.001"}}};
+  needed_line("the unit of length");
+  const auto code = integer_in(trimmed(in_.text().substr(0, 10)));
+  for (const Unit& unit : units) {
+    if (code != unit.code) continue;
+    mesh_.add_notice(std::string("the file says that its lengths are ") + unit.name +
+                     ": metres need 'scale: " + unit.scale + "'");
+  }
+  if (!at_end()) skip();
+}
+
 void UnvFile::read_nodes(bool in_one_line) {
   for (needed_line("a node"); !at_end(); needed_line("a node")) {
     std::istringstream words{std::string(in_.text())};
@@ -147,7 +171,7 @@ void UnvFile::read_elements() {
     if (kind != unv_kinds.end() ? kind->second.is_beam : head[1] == 23) needed_line("the record of a beam");
     std::vector<std::size_t> nodes;
     while (nodes.size() < num_nodes) {
-      needed_line("the nodes of an element");
+      needed_line("a node of an element");
       for (const std::int64_t node : integers(1, "a node of an element")) nodes.push_back(positive(node, "a node"));
     }
     const auto add = [&](std::size_t index) {
@@ -245,6 +269,8 @@ SerialMesh UnvFile::read() {
       read_nodes(true);
     } else if (number == "2412") {
       read_elements();
+    } else if (number == "164") {
+      read_unit();
     } else if (number == "780" || number == "71") {
       in_.fail("elements of the old dataset " + std::string(number) + " are not supported: write them as dataset 2412");
     } else if (number == "2429" || number == "2430" || number == "2432") {

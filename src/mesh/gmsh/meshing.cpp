@@ -2,6 +2,7 @@
 
 #include "mesh/gmsh/closed_surface.hpp"
 #include "mesh/gmsh/extract.hpp"
+#include "mesh/gmsh/local_sizes.hpp"
 #include "mesh/gmsh/session.hpp"
 
 #include <algorithm>
@@ -54,11 +55,12 @@ void require_feasible(double size) {
       size, num_cells, b[3] - b[0], b[4] - b[1], b[5] - b[2]));
 }
 
-void generate(const std::optional<double>& size) {
-  if (size) {
-    require_feasible(*size);
-    impose_size(*size);
+void generate(const MeshSource& source) {
+  if (source.size) {
+    require_feasible(*source.size);
+    impose_size(*source.size);
   }
+  impose_local_sizes(source.sizes, source.size);
   gmsh::model::mesh::generate(3);
   std::string build;
   gmsh::option::getString("General.BuildOptions", build);
@@ -97,7 +99,7 @@ double mean_edge(const SerialMesh& mesh) {
 /// features need small elements.
 void notice_other_size(SerialMesh& mesh, const MeshSource& source) {
   const double mean = mean_edge(mesh);
-  if (!source.size || (mean < 1.5 * *source.size && mean > 0.6 * *source.size)) return;
+  if (!source.size || !source.sizes.empty() || (mean < 1.5 * *source.size && mean > 0.6 * *source.size)) return;
   mesh.notices.push_back(
       fmt::format("the mean element size is {:.2g} m instead of the requested {:g} m: the shape needs it, or the "
                   "file prescribes divisions (Transfinite, Layers)",
@@ -106,8 +108,8 @@ void notice_other_size(SerialMesh& mesh, const MeshSource& source) {
 
 SerialMesh mesh_script(const GmshSession& gmsh, const MeshSource& source) {
   gmsh.run("read it", [&] { gmsh::open(source.file); });
-  if (source.size) gmsh.run("mesh it again", forget_mesh);
-  gmsh.run("mesh it", [&] { generate(source.size); });
+  if (source.size || !source.sizes.empty()) gmsh.run("mesh it again", forget_mesh);
+  gmsh.run("mesh it", [&] { generate(source); });
   return extracted(gmsh);
 }
 
@@ -115,7 +117,7 @@ SerialMesh mesh_cad(const GmshSession& gmsh, const MeshSource& source) {
   gmsh::option::setString("Geometry.OCCTargetUnit", "M");
   gmsh.run("read it", [&] { gmsh::open(source.file); });
   gmsh.run("join its solids", [] { join_solids(); });
-  gmsh.run("mesh it", [&] { generate(source.size); });
+  gmsh.run("mesh it", [&] { generate(source); });
   SerialMesh mesh = extracted(gmsh);
   if (!source.size) mesh.notices.push_back("no size is given: gmsh chose one, about a tenth of the body's diagonal");
   return mesh;
@@ -124,7 +126,7 @@ SerialMesh mesh_cad(const GmshSession& gmsh, const MeshSource& source) {
 SerialMesh mesh_surface(const GmshSession& gmsh, const MeshSource& source) {
   gmsh.run("read it", [&] { gmsh::open(source.file); });
   gmsh.run("make volumes from it", [&] { add_enclosed_volumes(source.size ? Triangles::remesh : Triangles::keep); });
-  gmsh.run("mesh the inside of the surface", [&] { generate(source.size); });
+  gmsh.run("mesh the inside of the surface", [&] { generate(source); });
   return extracted(gmsh);
 }
 
