@@ -22,8 +22,8 @@ struct ModelItem {
 
 std::string to_string(ModelItem::Kind kind);
 
-/// The groups of the mesh, constraints, loads, shells, cavities, contact, probes and worst elements of the model of `config` on
-/// the mesh; q: displacements at the start. The same on every rank. Collective.
+/// The groups of the mesh, constraints, loads, shells, cavities, contact, probes and worst elements of the model of
+/// `config` on the mesh; q: displacements at the start. The same on every rank. Collective.
 std::vector<ModelItem> model_items(const Mesh& mesh, const Config& config, const Model& model, Vec q);
 
 }  // namespace pliant

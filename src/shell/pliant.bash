@@ -55,7 +55,7 @@ _pliant() {
   esac
   # What follows an option that takes a value is that.
   case $previous in
-    --set | --output | --size | --watch | -o | --field | --range | --movie | --fps | --frame | --view | --scale | --hide | --transparent | --title | --html | --in | --levels | --methods | --result | --samples | --seed | --logarithmic | --jobs | --ranks | --of | --adjoint | --to | --fields | --kept-steps | --stretch) options='' words='' files='' ;;
+    --set | --output | --size | --watch | -o | --field | --range | --movie | --fps | --frame | --view | --scale | --hide | --transparent | --title | --html | --in | --levels | --methods | --number | --near | --result | --samples | --seed | --logarithmic | --jobs | --ranks | --of | --adjoint | --to | --fields | --kept-steps | --stretch) options='' words='' files='' ;;
   esac
   case "$path $previous" in
     'run --output') files='*' ;;
