@@ -54,6 +54,13 @@ PetscErrorCode destroy_callback(PC pc) {
   return CallbackGuard().run([&] { delete factorization_of(pc); });
 }
 
+/// Whether our own multigrid can be made for K.
+bool has_near_null_modes(Mat K) {
+  MatNullSpace modes = nullptr;
+  check(MatGetNearNullSpace(K, &modes));
+  return modes != nullptr;
+}
+
 void use_factorization(PC pc, Symmetry symmetry, Factorization::Kind kind, Mat P = nullptr) {
   auto factorization = std::make_unique<Factorization>(symmetry, kind, P);
   check(PCSetType(pc, PCSHELL));
@@ -155,10 +162,12 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
     use_double_precision(pc, symmetry);
   } else if (const auto parts = saddle_point_of(K)) {
     use_split(pc, *parts);
-  } else {
+  } else if (is_symmetric(symmetry) || has_near_null_modes(K)) {
     const bool is_adaptive = kind == LinearKind::adaptive;
     use_factorization(pc, symmetry, is_adaptive ? Factorization::Kind::adaptive : Factorization::Kind::multigrid,
                       coarsening != nullptr ? coarsening->prolongation.get() : nullptr);
+  } else {
+    use_algebraic_multigrid(pc);
   }
   set_krylov_method(ksp, symmetry);
   check(KSPSetFromOptions(ksp));

@@ -82,7 +82,7 @@ std::vector<Defect> defects() {
       {"Empty", "a.msh", "", "it is empty"},
       {"Blank", "a.msh", "\n\n  \n", "without a $Nodes section"},
       {"NotAMesh", "a.msh", "solid cube\nfacet normal 0 0 1\n", "line 1: the file does not begin with $MeshFormat"},
-      {"UnknownExtension", "a.vtk", text, "extension"},
+      {"UnknownExtension", "a.xyz", text, "extension"},
       {"NoExtension", "mesh", text, "extension"},
       {"HeaderOnly", "a.msh", cube.format, "without a $Nodes section"},
       {"NoElements", "a.msh", cube.format + cube.nodes, "without a $Elements section"},
