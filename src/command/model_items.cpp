@@ -299,10 +299,10 @@ class Collector {
 
   const Mesh& mesh_;
   const Config& config_;
-  const Config completed_;
+  Config completed_;
   const Model& model_;
   const NodeLayout& layout_;
-  const NodeLayout as_meshed_;
+  NodeLayout as_meshed_;
   Selections selections_;
   std::vector<double> q_;  // of the local nodes
   InputNode input_;        // as understood
