@@ -25,12 +25,15 @@ namespace fs = std::filesystem;
 /// A directory for what is needed while the page is written.
 class Scratch {
  public:
-  /// Throws FileError if it cannot be made. Collective.
+  /// Throws FileError if it exists, or cannot be made. Collective.
   Scratch(MPI_Comm comm, fs::path directory) : comm_(comm), directory_(std::move(directory)) {
     on_root(comm_, [&] {
       std::error_code error;
-      fs::create_directories(directory_, error);
+      if (directory_.has_parent_path()) fs::create_directories(directory_.parent_path(), error);
+      const bool is_new = !error && fs::create_directory(directory_, error);
       if (error) throw FileError(fmt::format("cannot create '{}': {}", directory_.string(), error.message()));
+      if (!is_new)
+        throw FileError(fmt::format("'{}' is needed while the page is written; remove it", directory_.string()));
     });
   }
   ~Scratch() {
@@ -47,7 +50,7 @@ class Scratch {
 };
 
 Json json_of(const ModelItem& item, Page& page) {
-  Json json{{"kind", to_string(item.kind)}, {"name", item.name}, {"text", item.text}, {"points", nullptr}};
+  Json json{{"kind", to_string(item.kind)}, {"name", item.name}, {"text", item.text}};
   json["points"] = page.block(std::span<const double>(item.points));
   if (!item.vectors.empty()) json["vectors"] = page.block(std::span<const double>(item.vectors));
   return json;

@@ -81,15 +81,16 @@ Json columns_from_fields(const std::string& input) {
 }
 
 /// Whether the run in a directory has ended: its summary is written after the last row. A run that was resumed leaves
-/// that of the earlier one until it ends.
+/// that of the earlier one until it ends. Modes have neither.
 bool has_ended(const fs::path& directory) {
-  std::error_code missing, ignored;
-  const auto summary = fs::last_write_time(directory / "summary.json", missing);
-  return !missing && summary >= fs::last_write_time(directory / "history.csv", ignored);
+  std::error_code no_summary, no_history;
+  const auto summary = fs::last_write_time(directory / "summary.json", no_summary);
+  const auto history = fs::last_write_time(directory / "history.csv", no_history);
+  return no_history || (!no_summary && summary >= history);
 }
 
-/// The summary for the terminal.
-std::string write_page(const fs::path& file, const ReportOptions& options) {
+/// The summary for the terminal. `is_last`: the page is not renewed.
+std::string write_page(const fs::path& file, const ReportOptions& options, bool is_last) {
   require_viewer();
   const fs::path directory = file.parent_path();
   const fs::path output = options.output.empty() ? directory / "report.html" : fs::path(options.output);
@@ -102,7 +103,7 @@ std::string write_page(const fs::path& file, const ReportOptions& options) {
   report["input"] = text_of(directory / "run.yaml");
   report["taken"] = columns_from_fields(text_of(directory / "run.yaml"));
   report["summary"] = summary_json(directory);
-  if (options.watch && !has_ended(directory)) report["watch"] = *options.watch;
+  if (!is_last) report["watch"] = *options.watch;
   const double left = options.megabytes * 1e6 - static_cast<double>(page.filled(report).size());
   PackedResult packed;
   naming(file, [&] { packed = pack_result(*result, static_cast<std::size_t>(std::max(left, 0.0))); });
@@ -120,9 +121,9 @@ std::string write_page(const fs::path& file, const ReportOptions& options) {
 void report_command(MPI_Comm comm, const ReportOptions& options, Console& console) {
   on_root(comm, [&] {
     const fs::path file = result_file(options.place);
-    const auto write = [&] { return hdf5_in_child(file, [&] { return write_page(file, options); }); };
     // Asked before the page is written: else a run that ends meanwhile would leave a page without its end.
     bool is_last = !options.watch || has_ended(file.parent_path());
+    const auto write = [&] { return hdf5_in_child(file, [&] { return write_page(file, options, is_last); }); };
     console.print(write());
     if (is_last) return;
     console.print(fmt::format("renewed every {:g} s until the run ends; Ctrl-C ends it earlier", *options.watch));

@@ -17,7 +17,7 @@ struct ReportOptions {
 };
 
 /// Writes the page, from the results of a run that may still be active; with `watch` again and again until it ends.
-/// FileError on every rank if there is no result, or the program was built without the viewer. Collective.
+/// Throws FileError on every rank without a result, or if the program was built without the viewer. Collective.
 void report_command(MPI_Comm comm, const ReportOptions& options, Console& console);
 
 }  // namespace pliant

@@ -31,7 +31,7 @@ void require_no_local_sizes(const MeshSource& source);
 /// Throws MeshDefect if ranks would have no cell.
 void require_enough_cells(std::int64_t num_cells, int num_ranks);
 
-/// Likewise, where there is no file and all cells are those of rods and of rigid bodies.
+/// Likewise, for a source without a file, whose cells are those of rods and of rigid bodies.
 void require_enough_added_cells(std::int64_t num_cells, int num_ranks);
 
 }  // namespace pliant

@@ -89,9 +89,8 @@ class ModesStudy {
       const StepOutcome outcome = simulation_->advance();
       if (outcome.is_input_error) throw InputError({config_.file, 0, 0}, outcome.reason);
       if (outcome.kind == StepOutcome::Kind::failed) {
-        throw SolveError(
-            fmt::format("there is no equilibrium to vibrate about: the solve failed at load factor {:.6g}: {}",
-                        simulation_->record().time, outcome.reason));
+        throw SolveError(fmt::format("no equilibrium to vibrate about: the solve failed at load factor {:.6g}: {}",
+                                     simulation_->record().time, outcome.reason));
       }
       console_.progress(fmt::format("load factor {:.6g}", simulation_->record().time));
     }

@@ -23,7 +23,7 @@ struct ModesOptions {
 /// Finds the modes of M q'' + K q = 0 (study/vibration.hpp): with `time.method: static` about the equilibrium at the
 /// end of the load, otherwise about the undeformed state without loads, contact and prescribed displacements. Prints a
 /// table; writes modes.csv, one row for each mode (study/mode_files.hpp), and result.h5 with result.xdmf, one frame for
-/// each mode. Throws InputError where there is no mass or no potential, SolveError where the equilibrium or the modes
+/// each mode. Throws InputError without a mass or a potential, SolveError where the equilibrium or the modes
 /// are not found. Collective.
 ExitCode modes_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& changes,
                        const ModesOptions& options, Console& console);

@@ -23,6 +23,8 @@ const KINDS = {
 const DOTS = { many: 5, few: 12 }, FEW = 20, FAINT = 0.35;  // [pixels]; opacity behind a body
 const LONGEST = 0.16, SHORTEST = 0.3;  // arrow relative to the bodies, and to the longest of its load
 
+let dot = null;  // one for all items
+
 class Item {
   constructor(given, points, vectors) {
     Object.assign(this, given, { points, vectors, group: new Group() });
@@ -50,7 +52,7 @@ class Item {
   dots(at, look, faint) {
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(at, 3));
-    return new Points(geometry, new PointsMaterial({ ...look, size: this.size, sizeAttenuation: false, map: disc(), alphaTest: faint ? FAINT / 2 : 0.5, color: this.kindOf.colour }));
+    return new Points(geometry, new PointsMaterial({ ...look, size: this.size, sizeAttenuation: false, map: (dot ??= disc()), alphaTest: faint ? FAINT / 2 : 0.5, color: this.kindOf.colour }));
   }
 
   /// Forces: those that point outward begin at their places, the others end there.

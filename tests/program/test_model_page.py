@@ -99,6 +99,11 @@ class ModelPage(ProgramTest):
                 np.testing.assert_allclose(vectors, other_vectors, atol=1e-9, err_msg=str(key))
 
     def test_mistakes(self):
+        kept = self.directory / "bar.html.start"
+        kept.mkdir()
+        (kept / "notes.txt").write_text("of someone else")
+        self.assertIn("bar.html.start' is needed", self.check("--html", code=4).stderr)
+        self.assertEqual((kept / "notes.txt").read_text(), "of someone else")
         (self.directory / "file").write_text("")
         done = self.check("--html", "file/bar.html", code=4)
         self.assertIn("file/bar.html", done.stderr)

@@ -27,7 +27,7 @@ using LayerTangent = std::array<Pack, 36>;
 /// A point of a layer in plane stress.
 struct LayerState {
   Tensor3<Pack> H;  ///< F - I
-  LayerColumns P;   ///< P t_a [Pa]; NaN where there is no such state
+  LayerColumns P;   ///< P t_a [Pa]; NaN where no such state exists
 };
 
 /// A law of a body, in plane stress.
