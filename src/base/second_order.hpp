@@ -96,8 +96,6 @@ struct Differentiated {
 };
 
 template <std::size_t N>
-using FirstOrder = Differentiated<N, 1>;
-template <std::size_t N>
 using SecondOrder = Differentiated<N, 2>;
 
 }  // namespace pliant

@@ -55,7 +55,7 @@ std::vector<Override> overrides(const Changes& changes) {
   return result;
 }
 
-/// A communicator of its own, so that messages of the program's do not meet Pliant's.
+/// A communicator of its own, so that messages of the program and of Pliant stay apart.
 class OwnCommunicator {
  public:
   explicit OwnCommunicator(std::optional<int> handle) {

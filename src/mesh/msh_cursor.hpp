@@ -1,4 +1,4 @@
-/// A position in the bytes of a .msh file: reads words and binary numbers, and reports where they are missing.
+/// A position in the bytes of a .msh or .vtk file: reads words and binary numbers, and reports where they are missing.
 #pragma once
 
 #include <algorithm>
@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -23,7 +24,7 @@ class MshCursor {
   void use(Encoding encoding) { encoding_ = encoding; }
   Encoding encoding() const { return encoding_; }
 
-  /// The next number of type T (a signed or unsigned integer, or double), in the current encoding; `what` names it in
+  /// The next number of type T (an integer or floating-point number), in the current encoding; `what` names it in
   /// messages.
   template <class T>
   T number(const char* what) {
@@ -31,8 +32,7 @@ class MshCursor {
       if constexpr (std::is_floating_point_v<T>) {
         return static_cast<T>(real(what));
       } else {
-        return static_cast<T>(
-            integer(what, static_cast<std::int64_t>(std::is_unsigned_v<T> ? 0 : lowest<T>()), highest<T>()));
+        return static_cast<T>(integer(what, lowest<T>(), highest<T>()));
       }
     }
     if (remaining() < sizeof(T)) fail_at_end(std::string("where ") + what + " is expected");
@@ -71,11 +71,12 @@ class MshCursor {
  private:
   template <class T>
   static constexpr std::int64_t lowest() {
-    return sizeof(T) == 4 ? INT32_MIN : INT64_MIN;
+    return static_cast<std::int64_t>(std::numeric_limits<T>::lowest());
   }
+  /// Of 64 bits without a sign, half are enough.
   template <class T>
   static constexpr std::int64_t highest() {
-    return sizeof(T) == 4 ? INT32_MAX : INT64_MAX;
+    return sizeof(T) < 8 ? static_cast<std::int64_t>(std::numeric_limits<T>::max()) : INT64_MAX;
   }
   std::int64_t integer(const char* what, std::int64_t lower, std::int64_t upper);
   double real(const char* what);

@@ -66,7 +66,9 @@ std::unique_ptr<ShellBending> bending_of(const ShellConfig& config, const NodeLa
   const ElasticityRule rule(config.elasticity);
   const double h = shape_of(config).volume_per_area();
   return std::make_unique<ShellBending>(layout, facets, [&](const std::array<double, 3>& X) {
-    const Lame rest = rule.law_at(0, X).at_rest().value();
+    const ElasticLawSpec law = rule.law_at(0, X);
+    require_compressible_layer(law, config);
+    const Lame rest = law.at_rest().value();  // of laws without fibres
     const double nu = poissons_ratio(rest), E = 2.0 * rest.mu * (1.0 + nu);
     return BendingStiffness{E * h * h * h / (12.0 * (1.0 - nu * nu)), nu};
   });

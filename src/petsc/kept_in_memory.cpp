@@ -3,6 +3,7 @@
 #include "petsc/array_view.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace pliant {
 namespace {
@@ -30,6 +31,7 @@ class Restoring final : public Archive {
 
  protected:
   void exchange(const std::string& /*path*/, std::span<double> x) override {
+    assert(items_[next_].size() == x.size());
     std::ranges::copy(items_[next_++], x.begin());
   }
   void exchange(const std::string& path, Entries /*entries*/, Vec x) override {

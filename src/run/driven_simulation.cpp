@@ -18,17 +18,12 @@ namespace pliant {
 namespace {
 
 constexpr const char* what_can_change =
-    "loads, pressures and contents of cavities, prescribed displacements, motions and motors of joints, tension and "
-    "pull "
-    "of tendons, motion of obstacles, active tension and shortening, and time.step";
+    "loads, pressure, amount and added_volume of cavities, prescribed displacements, motions and motors of joints, "
+    "tension and pull of tendons, motion of obstacles, active stress and shortening, expansion, time.step and "
+    "time.min_step";
 
 bool is_constant(const Expression& e) {
   return !e.depends_on_space() && !e.depends_on_time();
-}
-
-bool is_same(const Expression& a, const Expression& b) {
-  // The text is without the unit's factor.
-  return a.text() == b.text() && a(0.37, 0.61, 0.83, 0.29) == b(0.37, 0.61, 0.83, 0.29);
 }
 
 /// From one value to another at constant velocity.
@@ -163,7 +158,7 @@ std::vector<std::size_t> DrivenSimulation::changed_formulas(Config& wanted, cons
   std::vector<std::size_t> changed;
   for (std::size_t k = 0; k < now.size(); ++k) {
     *of_rest[k].formula = *now[k].formula;
-    if (is_same(*then[k].formula, *now[k].formula)) continue;
+    if (then[k].formula->text() == now[k].formula->text()) continue;
     if (then[k].formula->depends_on_space() && vary_in_space_[k] == 0) {
       throw refuse(", from a formula that is uniform to one of the position");
     }
@@ -195,12 +190,12 @@ void DrivenSimulation::set(const std::vector<Override>& changes) {
   bool has_new_plan = wanted.time.step != given_.time.step || wanted.time.min_step != given_.time.min_step;
   for (const std::size_t k : changed) {
     has_new_plan = has_new_plan || by[k].formula->depends_on_time() || now[k].formula->depends_on_time();
-    formulas_[k].formula->replace(replacement(k, *by[k].formula));
   }
+  if (has_new_plan) simulation_->plan_anew(wanted);  // first: what moves takes the next step for its way
+  for (const std::size_t k : changed) formulas_[k].formula->replace(replacement(k, *by[k].formula));
   changes_ = std::move(all);
   given_ = std::move(wanted);
   if (!changed.empty()) simulation_->take_changes();
-  if (has_new_plan) simulation_->plan_anew(given_);
 }
 
 const DrivenSurface& DrivenSimulation::surface(const std::string& name) const {
@@ -295,7 +290,7 @@ void DrivenSimulation::keep(Archive& archive) {
 
 DrivenSimulation::Saved DrivenSimulation::save() {
   auto state = std::make_shared<State>();
-  state->owner = this;
+  state->owner = identity_;
   state->kept = KeptInMemory([this](Archive& archive) { keep(archive); });
   state->changes = changes_;
   state->given = given_;
@@ -310,7 +305,9 @@ DrivenSimulation::Saved DrivenSimulation::save() {
 }
 
 void DrivenSimulation::restore(const Saved& saved) {
-  if (saved->owner != this) throw InputError({file_, 0, 0}, "the saved state is that of another simulation");
+  if (saved->owner != identity_) {
+    throw InputError({file_, 0, 0}, "the saved state belongs to another simulation");
+  }
   changes_ = saved->changes;
   given_ = saved->given;
   for (std::size_t k = 0; k < formulas_.size(); ++k) formulas_[k].formula->replace(saved->formulas[k]);

@@ -83,7 +83,8 @@ class DrivenSimulation {
   /// those on other surfaces.
   void apply_forces(const std::string& surface, std::vector<double> forces);
   /// Displacements of its nodes at the end of the next step, reached at constant velocity and kept from then on [m],
-  /// likewise. InputError unless constraints prescribe all of them, without ties.
+  /// likewise; a static problem multiplies them by its load factor. InputError unless constraints prescribe all of
+  /// them, without ties.
   void move(const std::string& surface, const std::vector<double>& displacements);
 
   /// A state to which `restore` returns: with everything that was set. It belongs to this simulation.
@@ -98,7 +99,7 @@ class DrivenSimulation {
 
  private:
   struct State {
-    const DrivenSimulation* owner = nullptr;
+    std::shared_ptr<const char> owner;  // identity_
     KeptInMemory kept;
     std::vector<Override> changes;
     Config given;
@@ -121,6 +122,8 @@ class DrivenSimulation {
   Expression replacement(std::size_t k, const Expression& by) const;
 
   MPI_Comm comm_;
+  // Its address is that of no other simulation while a state of this one exists.
+  std::shared_ptr<const char> identity_ = std::make_shared<const char>();
   std::string text_, file_;
   std::vector<Override> changes_;  // so far
   Config given_;                   // as the user has it now

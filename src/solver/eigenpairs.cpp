@@ -199,7 +199,7 @@ Eigenpairs nearest_eigenpairs(const EigenProblem& problem, PetscInt number, doub
   require_memory(outcome);
   if (outcome != SetUp::sound) {
     throw SolveError(
-        "the stiffness cannot be factorized at this frequency, which is that of a mode; choose one next to it");
+        "a mode has exactly this frequency, where the stiffness cannot be factorized; give a slightly different one");
   }
   return solve(problem, number, target, shifted, scale);
 }

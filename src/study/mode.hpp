@@ -23,7 +23,7 @@ struct Mode {
   double frequency = 0.0;               ///< w / 2 pi; 0 unless it vibrates [Hz]
   double growth_rate = 0.0;             ///< g; 0 unless it is unstable [1/s]
   std::optional<double> damping_ratio;  ///< s . C s / (2 w), of the critical damping; of a mode that vibrates
-  /// The mass that takes part in a motion of the ground along x, y, z, as a part of the whole mass.
+  /// The mass that takes part in a motion of the ground along x, y, z, as a fraction of the whole mass.
   std::array<double, 3> effective_mass{};
   Handle<Vec> shape;  ///< displacements of the nodes, with ghosts [1/sqrt(kg)]
 };

@@ -16,7 +16,7 @@
 namespace pliant {
 namespace {
 
-/// The largest displacement that is shown, as a part of the size of the bodies.
+/// The largest displacement that is shown, as a fraction of the size of the bodies.
 constexpr double shown_part = 0.1;
 
 /// The largest extent of the bodies [m]. Collective.

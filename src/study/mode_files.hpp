@@ -16,7 +16,7 @@ namespace pliant {
 std::vector<std::string> mode_table(std::span<const Mode> modes);
 
 /// Columns: mode, eigenvalue [1/s^2], frequency [Hz], growth_rate [1/s], damping_ratio (nan where there is none) and
-/// effective_mass_x, effective_mass_y, effective_mass_z, parts of the whole mass. Collective.
+/// effective_mass_x, effective_mass_y, effective_mass_z, fractions of the whole mass. Collective.
 void write_modes_csv(MPI_Comm comm, const std::filesystem::path& directory, std::span<const Mode> modes);
 
 /// A frame for each mode, whose time is its number and whose label shows its frequency. Fields: displacement, that of

@@ -50,7 +50,13 @@ class ModesStudy {
     const std::filesystem::path directory = options_.output.empty()
                                                 ? std::filesystem::path(config_.output.directory) / "modes"
                                                 : std::filesystem::path(options_.output);
-    on_root(layout.comm, [&] { make_directory(directory); });
+    on_root(layout.comm, [&] {
+      make_directory(directory);
+      if (std::filesystem::exists(directory / "history.csv")) {
+        throw FileError(fmt::format("'{}' has the results of a run; give the modes another directory by --output",
+                                    directory.string()));
+      }
+    });
     simulation_.emplace(config_, model_);
     if (is_loaded_) find_equilibrium();
     const StepRecord& record = simulation_->record();
@@ -86,11 +92,10 @@ class ModesStudy {
 
   void find_equilibrium() {
     while (!simulation_->finished()) {
-      const StepOutcome outcome = simulation_->advance();
+      const StepOutcome outcome = simulation_->complete_step();
       if (outcome.is_input_error) throw InputError({config_.file, 0, 0}, outcome.reason);
       if (outcome.kind == StepOutcome::Kind::failed) {
-        throw SolveError(fmt::format("no equilibrium to vibrate about: the solve failed at load factor {:.6g}: {}",
-                                     simulation_->record().time, outcome.reason));
+        throw SolveError("no equilibrium to vibrate about: " + simulation_->in_words(outcome));
       }
       console_.progress(fmt::format("load factor {:.6g}", simulation_->record().time));
     }

@@ -100,7 +100,7 @@ void Vibration::measure_mass(Vec q) {
   sums.insert(sums.end(), first.linear.begin(), first.linear.end());
   sum_in_place(layout.comm, sums);
   mass_ = sums[0];
-  for (std::size_t i = 0; i < 3; ++i) centre_[i] = mass_ > 0.0 ? sums[1 + i] / mass_ : 0.0;
+  for (std::size_t i = 0; i < 3; ++i) centre_[i] = sums[1 + i] / mass_;
   for (std::size_t i = 0; i < x.size(); ++i) x[i] -= centre_[i % 3];
   std::vector<double> moments;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -264,6 +264,9 @@ void Vibration::set_damping(const Config& config, const BaseState& about) {
   std::vector<const EnergyTerm*> terms;
   for (const auto& term : damping_terms_) terms.push_back(term.get());
   if (const auto& of_rods = model_.rods().viscosity) terms.push_back(of_rods.get());
+  for (const ModelShell& shell : model_.shells().shells) {
+    if (shell.membrane.viscosity) terms.push_back(shell.membrane.viscosity.get());
+  }
   if (terms.empty()) return;
   damping_ = std::make_unique<IncrementalPotential>(model_.layout(), model_.pattern(), std::move(terms),
                                                     model_.constraints().prescribed().flags());
@@ -311,7 +314,7 @@ std::array<double, num_momenta> Vibration::momenta(Vec u) const {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
     const double about_centre = sums[3 + i] - (centre_[j] * sums[k] - centre_[k] * sums[j]);
-    result[i] = mass_ > 0.0 ? sums[i] / std::sqrt(mass_) : 0.0;
+    result[i] = sums[i] / std::sqrt(mass_);
     result[3 + i] = moments_[i] > 0.0 ? about_centre / std::sqrt(moments_[i]) : 0.0;
   }
   return result;

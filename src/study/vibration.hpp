@@ -38,7 +38,7 @@ class Vibration {
   Vibration(const Config& config, Model& model, const BaseState& about);
 
   EigenProblem problem() const { return {K_.get(), M_.get(), num_negative_}; }
-  /// Norm of the unbalanced forces as a part of all forces; 0 at an equilibrium.
+  /// Norm of the unbalanced forces as a fraction of all forces; 0 at an equilibrium.
   double imbalance() const { return imbalance_; }
   double mass() const { return mass_; }  ///< of all bodies [kg]
 

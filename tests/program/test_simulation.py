@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Simulations that Python drives: the same numbers as the program, steps taken back, loads that change, coupling, and wrong use."""
 import contextlib
+import importlib.util
 import io
 import logging
 import os
@@ -148,7 +149,7 @@ class TestHistory(SimulationTest):
 
 class TestSavedStates(SimulationTest):
     def test_repeated_steps_are_the_same_to_the_last_bit(self):
-        mixed = FALLING.replace("volume: body,", "volume: body, ").replace("poissons_ratio: 0.4", "poissons_ratio: 0.49")
+        mixed = FALLING.replace("poissons_ratio: 0.4", "poissons_ratio: 0.49")
         for text in (FALLING + BDF2, FALLING + BDF2.replace("bdf2", "dirk22"), SLIDING + BDF2, SLIDING + BDF2.replace("bdf2", "dirk22"),
                      "volumetric: mixed\nelement: P1\n" + mixed + BDF2, FALLING + "time: {method: static, load_steps: 6}\n",
                      FALLING + "time: {method: bdf2, step: 5 ms, end: 60 ms, adaptive: {relative: 1e-3}}\n"):
@@ -187,6 +188,15 @@ class TestChanges(SimulationTest):
         for name in ("tip_x", "tip_z", "tip_vz", "elastic_energy", "kinetic_energy", "load_work"):
             scale = max(abs(expected[name]).max(), 1e-12)
             self.assertLess(abs(row[name] - expected[name][-1]), tolerance * scale, name)
+
+    def test_a_motion_takes_the_step_that_is_set_with_it(self):
+        text = BODY.replace("probes: [", "probes: [{name: root, point: [0, 0, 0]}, ") + BDF2
+        with pliant.Simulation(text) as sim:
+            sim.advance()
+            sim.set({"time.step": sim.dt / 4, "constraints.0.displacement.2": 0.01})
+            for _ in range(2):
+                sim.advance()
+                self.assertAlmostEqual(sim.get("root_z"), 0.01, delta=1e-12)
 
     def test_a_load_jumps_as_by_a_formula(self):
         euler = "time: {method: backward-euler, step: 10 ms, end: 60 ms}\n"
@@ -465,11 +475,13 @@ class TestWrongUse(SimulationTest):
 
     def test_a_rank_that_ends_alone_ends_the_others(self):
         self.write("in.yaml", FALLING + BDF2)
-        done = self.python(f"import sys\nsys.path.insert(0, {str(ROOT / 'src/python')!r})\n"
-                           "import pliant\nimport pliant.simulation\npliant.simulation.PATIENCE = 0.5\nsim = pliant.Simulation('in.yaml')\n"
-                           "if sim.own_nodes.start > 0:\n    raise RuntimeError('a controller fails')\nsim.run()\n", ranks=2, timeout=60)
-        self.assertNotEqual(done.returncode, 0)
-        self.assertIn("a controller fails", done.stderr)
+        for opened in ("sim = pliant.Simulation('in.yaml')\nif True:", "with pliant.Simulation('in.yaml') as sim:"):
+            with self.subTest(opened):
+                done = self.python(f"import sys\nsys.path.insert(0, {str(ROOT / 'src/python')!r})\n"
+                                   f"import pliant\nimport pliant.simulation\npliant.simulation.PATIENCE = 0.5\n{opened}\n"
+                                   "    if sim.own_nodes.start > 0:\n        raise RuntimeError('a controller fails')\n    sim.run()\n", ranks=2, timeout=60)
+                self.assertNotEqual(done.returncode, 0)
+                self.assertIn("a controller fails", done.stderr)
 
     def test_interrupt(self):
         """Ctrl-C is a KeyboardInterrupt after the step."""
@@ -491,8 +503,8 @@ class TestOthers(SimulationTest):
         for first in ("", "from mpi4py import MPI", "import petsc4py; petsc4py.init(); from petsc4py import PETSc"):
             second = "from mpi4py import MPI\ncomm = MPI.COMM_SELF" if first else "comm = None"
             with self.subTest(first=first):
-                with contextlib.suppress(ModuleNotFoundError):
-                    __import__(first.replace(";", " ").split()[1] if first else "os")
+                if first and importlib.util.find_spec(first.replace(";", " ").split()[1]) is None:
+                    continue
                 done = self.python(f"{first}\nimport sys\nsys.path.insert(0, {str(ROOT / 'src/python')!r})\nimport pliant\n{second}\n"
                                    "sim = pliant.Simulation('in.yaml', comm=comm)\nsim.run()\nprint('tip', repr(sim.get('tip_z')))\n")
                 self.assertEqual((done.returncode, done.stderr), (0, ""))

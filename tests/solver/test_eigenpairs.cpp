@@ -91,7 +91,7 @@ TEST(Eigenpairs, AreZeroWhereNothingHolds) {
   EXPECT_GT(found.values[1], 1e4 * found.rounding);
 }
 
-// Two equal chains beside one another: every eigenvalue twice.
+// Two equal chains: every eigenvalue twice.
 TEST(Eigenpairs, MayBeEqual) {
   constexpr PetscInt n = 60;
   const Handle<Mat> K = banded(2 * n, 2,

@@ -37,7 +37,7 @@ class PrescribedDisplacement {
   /// is the index of the part. Not collective.
   std::vector<LinearConstraint> constraints(const NodeLayout& layout, const std::set<PetscInt>& wanted) const;
 
-  /// The way of a prescribed entry from one displacement to another, and its rest there. It is given at steps only, by
+  /// The path of a prescribed entry from one displacement to another, and its rest there. It is given at steps only, by
   /// another solver for instance, so that its rates are those that the method's formula finds, as for free entries: two
   /// bodies that share nodes then have the same motion, and together the equations of one body.
   struct Path {

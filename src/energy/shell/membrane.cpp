@@ -80,8 +80,8 @@ class Membrane final : public EnergyTerm {
                   extrapolates](std::size_t n, const Point& point) {
             const LayerColumns h = Facets::changes(point, u);
             LayerTangent T;
-            law.tangent(n, point.axes, h, T);
-            if (extrapolates) add_extrapolation_error(law, n, point, h, Facets::changes(point, before), T);
+            const LayerState state = law.tangent(n, point.axes, h, T);
+            if (extrapolates) add_extrapolation_error(law, n, point, h, state, Facets::changes(point, before), T);
             if (projection == Projection::positive_semidefinite) make_positive_semidefinite(T);
             return T;
           };
@@ -93,8 +93,7 @@ class Membrane final : public EnergyTerm {
   using Stress = std::array<Pack, 3>;  // S_11, S_22, S_12
 
   /// The stress of the layer in its own axes: P_a = sum_b S_ab f_b.
-  static Stress stress(const PlaneStress& law, std::size_t n, const Point& point, const LayerColumns& h) {
-    const LayerColumns P = law.state(n, point.axes, h).P;
+  static Stress stress(const Point& point, const LayerColumns& h, const LayerColumns& P) {
     LayerColumns f = h;
     for (int a = 0; a < 2; ++a) {
       for (int i = 0; i < 3; ++i) f[a][i] += point.axes(a, i);
@@ -110,17 +109,17 @@ class Membrane final : public EnergyTerm {
   /// Stresses extrapolated along the last step in the place of those at its end (energy/volume/elastic_cells.hpp,
   /// extrapolation_error).
   static void add_extrapolation_error(const PlaneStress& law, std::size_t n, const Point& point, const LayerColumns& h,
-                                      const LayerColumns& before, LayerTangent& T) {
+                                      const LayerState& at_end, const LayerColumns& before, LayerTangent& T) {
     constexpr double part = 1e-3;
     const auto on_the_way = [&](double s) {
       LayerColumns x = before;
       for (int a = 0; a < 2; ++a) {
         for (int i = 0; i < 3; ++i) x[a][i] += s * (h[a][i] - before[a][i]);
       }
-      return stress(law, n, point, x);
+      return stress(point, x, law.state(n, point.axes, x).P);
     };
     const Stress start = on_the_way(0.0), ahead = on_the_way(part), behind = on_the_way(-part),
-                 end = stress(law, n, point, h);
+                 end = stress(point, h, at_end.P);
     std::array<Pack, 3> error;
     for (std::size_t k = 0; k < 3; ++k) {
       error[k] = start[k] + (0.5 / part) * (ahead[k] - behind[k]) - end[k];

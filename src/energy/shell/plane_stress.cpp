@@ -125,9 +125,9 @@ LayerState PlaneStress::solve(std::size_t n, const LayerAxes& axes, const LayerC
   }
 }
 
-void PlaneStress::tangent(std::size_t n, const LayerAxes& axes, const LayerColumns& h, LayerTangent& T) const {
+LayerState PlaneStress::tangent(std::size_t n, const LayerAxes& axes, const LayerColumns& h, LayerTangent& T) const {
   Tangent<Pack> A;
-  static_cast<void>(solve(n, axes, h, A));
+  const LayerState state = solve(n, axes, h, A);
   const Tangent<Pack> C = pulled_back(A, axes);
   const auto entry = [&C](int i, int a, int k, int b) -> const Pack& { return C[9 * (3 * i + a) + 3 * k + b]; };
   const Tensor3<Pack> K = inverse(make_tensor([&](int i, int k) -> Pack { return entry(i, 2, k, 2); }));
@@ -141,6 +141,7 @@ void PlaneStress::tangent(std::size_t n, const LayerAxes& axes, const LayerColum
       T[6 * p + q] = T[6 * q + p] = entry(p % 3, p / 3, q % 3, q / 3) - dot(B[p], KB[q]);
     }
   }
+  return state;
 }
 
 }  // namespace pliant

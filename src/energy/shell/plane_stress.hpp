@@ -44,7 +44,8 @@ class PlaneStress {
   Pack psi_change(std::size_t n, const LayerState& before, const LayerState& after) const {
     return law_->psi_change(n, before.H, after.H - before.H);
   }
-  void tangent(std::size_t n, const LayerAxes& axes, const LayerColumns& h, LayerTangent& T) const;
+  /// T, and the state there.
+  LayerState tangent(std::size_t n, const LayerAxes& axes, const LayerColumns& h, LayerTangent& T) const;
 
  private:
   /// The state, and A = dP/dH next to it: off by a step whose square is lost.

@@ -79,7 +79,7 @@ ShellBending::ShellBending(const NodeLayout& layout, const FacetList& facets,
                            const std::function<BendingStiffness(const std::array<double, 3>&)>& stiffness)
     : num_owned_nodes_(layout.num_owned_nodes) {
   double length = 0.0;
-  for_each_triangle(facets, [&](const std::array<PetscInt, 3>& nodes, PetscInt facet) {
+  const auto add = [&](const std::array<PetscInt, 3>& nodes, PetscInt facet) {
     if (facets.is_owned[facet] == 0) return;
     Triangle& triangle = triangles_.emplace_back();
     Vector3<double> middle{};
@@ -90,7 +90,8 @@ ShellBending::ShellBending(const NodeLayout& layout, const FacetList& facets,
       length += norm(next - X) / 3.0;
     }
     triangle.stiffness = stiffness(middle);
-  });
+  };
+  on_every_rank(layout.comm, [&] { for_each_triangle(facets, add); });
   triangles_ = gathered(layout.comm, triangles_);
   std::ranges::sort(triangles_, {}, &Triangle::sorted);
   edge_length_ = sum(layout.comm, length) / static_cast<double>(std::max<std::size_t>(triangles_.size(), 1));

@@ -74,6 +74,7 @@ class AbaqusFile {
   void read_instance(const AbaqusCard& card);
   void read_nodes(const AbaqusCard& card);
   void read_elements(const AbaqusCard& card);
+  void define_element(std::size_t label, std::size_t index);
   void skip_elements(const std::string& type, AbaqusSet* set);
   void read_set(const AbaqusCard& card, AbaqusSets& sets, const char* parameter);
   void read_range(const std::vector<std::string>& entries, AbaqusSet& set);
@@ -120,13 +121,18 @@ void AbaqusFile::read_nodes(const AbaqusCard& card) {
   }
 }
 
+void AbaqusFile::define_element(std::size_t label, std::size_t index) {
+  if (model_.elements.try_emplace(label, index).second) return;
+  in_.fail("element " + std::to_string(label) + " is defined twice: give every element its own number");
+}
+
 void AbaqusFile::skip_elements(const std::string& type, AbaqusSet* set) {
   std::vector<std::string> entries;
   bool is_first = true;
   while (in_.next_data(entries)) {
     if (is_first) {
       const std::size_t label = in_.label(entries.front(), "the number of an element");
-      model_.elements[label] = AbaqusModel::left_out;
+      define_element(label, AbaqusModel::left_out);
       ++left_out_[type];
       if (set != nullptr) set->labels.push_back(label);
     }
@@ -154,9 +160,7 @@ void AbaqusFile::read_elements(const AbaqusCard& card) {
     }
     if (*type == tetrahedron_10) swap_last_two(std::span(labels).subspan(1));
     const std::size_t index = model_.mesh.add_element(*type, labels[0], std::span(labels).subspan(1, num_nodes), line);
-    if (!model_.elements.try_emplace(labels[0], index).second) {
-      in_.fail("element " + std::to_string(labels[0]) + " is defined twice: give every element its own number");
-    }
+    define_element(labels[0], index);
     if (set != nullptr) set->labels.push_back(labels[0]);
     labels.clear();
   }
@@ -170,7 +174,9 @@ void AbaqusFile::read_range(const std::vector<std::string>& entries, AbaqusSet& 
   const std::size_t known = std::max(model_.nodes.size(), model_.elements.size());
   if (last < first) in_.fail("the last number of the set is less than the first");
   if ((last - first) / step > known) in_.fail("the range has more numbers than the file has nodes or elements");
-  for (std::size_t label = first; label <= last; label += step) set.labels.push_back(label);
+  std::vector<std::size_t> labels;
+  for (std::size_t label = first; label <= last; label += step) labels.push_back(label);
+  add_labels(set, labels);
 }
 
 void AbaqusFile::read_set(const AbaqusCard& card, AbaqusSets& sets, const char* parameter) {
@@ -194,8 +200,7 @@ void AbaqusFile::read_set(const AbaqusCard& card, AbaqusSets& sets, const char* 
     for (const std::string& entry : entries) {
       if (entry.empty()) continue;
       if (!integer_in(entry)) {
-        const auto& labels = known_set(sets, entry).labels;
-        set.labels.insert(set.labels.end(), labels.begin(), labels.end());
+        add_labels(set, known_set(sets, entry).labels);
       } else if (!has_own_numbers) {
         set.labels.push_back(in_.label(entry, is_nodes ? "a node" : "an element"));
       }
@@ -203,7 +208,8 @@ void AbaqusFile::read_set(const AbaqusCard& card, AbaqusSets& sets, const char* 
   }
   AbaqusSet& whole = sets.add(scope_, set.name, card.line);
   whole.is_internal = card.has("INTERNAL");
-  whole.labels.insert(whole.labels.end(), set.labels.begin(), set.labels.end());
+  add_labels(whole, set.labels);
+  make_unique(whole);  // or sets that name one another twice would double at each card
 }
 
 void AbaqusFile::read_surface(const AbaqusCard& card) {
@@ -216,13 +222,12 @@ void AbaqusFile::read_surface(const AbaqusCard& card) {
       if (integer_in(entries.front())) {
         set.labels.push_back(in_.label(entries.front(), "a node"));
       } else {
-        const auto& labels = known_set(model_.node_sets, entries.front()).labels;
-        set.labels.insert(set.labels.end(), labels.begin(), labels.end());
+        add_labels(set, known_set(model_.node_sets, entries.front()).labels);
       }
     }
     AbaqusSet& whole = model_.node_sets.add(scope_, surface.name, card.line);
     whole.is_internal = set.is_internal;
-    whole.labels.insert(whole.labels.end(), set.labels.begin(), set.labels.end());
+    add_labels(whole, set.labels);
     return;
   }
   if (!type.empty() && type != "ELEMENT") {

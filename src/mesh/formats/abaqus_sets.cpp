@@ -137,6 +137,16 @@ class GroupMaker {
 
 }  // namespace
 
+void make_unique(AbaqusSet& set) {
+  std::ranges::sort(set.labels);
+  set.labels.erase(std::unique(set.labels.begin(), set.labels.end()), set.labels.end());
+}
+
+void add_labels(AbaqusSet& set, std::span<const std::size_t> more) {
+  if (set.labels.size() + more.size() > set.labels.capacity()) make_unique(set);
+  set.labels.insert(set.labels.end(), more.begin(), more.end());
+}
+
 AbaqusSet& AbaqusSets::add(const std::string& scope, const std::string& name, std::size_t line) {
   const auto [place, is_new] = index_.try_emplace(scope + in_capitals(name), sets_.size());
   if (is_new) sets_.push_back({name, scope, false, line, {}});

@@ -5,6 +5,7 @@
 #include "mesh/formats/mesh_assembly.hpp"
 
 #include <map>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
@@ -20,6 +21,11 @@ struct AbaqusSet {
   std::size_t line = 0;
   std::vector<std::size_t> labels;
 };
+
+/// Leaves each label once.
+void make_unique(AbaqusSet& set);
+/// Adds labels. Those that are there twice go when memory runs short.
+void add_labels(AbaqusSet& set, std::span<const std::size_t> more);
 
 /// Sets of one kind by name; the same name again continues a set.
 class AbaqusSets {

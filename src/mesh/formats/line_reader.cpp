@@ -21,6 +21,7 @@ bool LineReader::next() {
     sources_.pop_back();
     if (!sources_.empty()) pieces_.push_back({number_ + 1, sources_.back().name, sources_.back().line + 1});
   }
+  text_ = {};
   if (sources_.empty()) return false;
   Source& in = sources_.back();
   const std::size_t end = std::min(in.bytes.find('\n', in.at), in.bytes.size());

@@ -17,7 +17,7 @@ class LineReader {
   /// Throws FileError if the file cannot be read.
   explicit LineReader(const std::string& file);
 
-  /// Moves to the next line; false behind the last one. A file ends also at a byte 0.
+  /// Moves to the next line; false behind the last one.
   bool next();
   /// The current line without blanks at its end; valid until `next`.
   std::string_view text() const { return text_; }

@@ -100,6 +100,7 @@ MedFile::Families MedFile::families(hid_t of_mesh, const std::string& kind) {
 void MedFile::read_nodes(hid_t step) {
   const Hdf5Handle nodes = med_group(step, "NOE");
   x_ = med_values<double>(nodes.get(), "COO", H5T_NATIVE_DOUBLE);
+  if (x_.size() % 3 != 0) throw MeshDefect("its nodes do not have three coordinates each: the file is damaged");
   const std::size_t n = x_.size() / 3;
   for (std::size_t i = 0; i < n; ++i) mesh_.add_node(i + 1, {x_[i], x_[n + i], x_[2 * n + i]});
   if (!has_link(nodes.get(), "FAM")) return;
@@ -114,6 +115,7 @@ void MedFile::read_nodes(hid_t step) {
 
 /// Whether the corners, which are nodes of the file, span a negative volume.
 bool MedFile::is_mirrored(std::span<const std::size_t> nodes) const {
+  if (x_.size() % 3 != 0) throw MeshDefect("its nodes do not have three coordinates each: the file is damaged");
   const std::size_t n = x_.size() / 3;
   std::array<std::array<double, 3>, 3> e{};
   for (std::size_t i = 0; i < 4; ++i) {

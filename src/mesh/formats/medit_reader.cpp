@@ -44,6 +44,7 @@ class MeditFile {
 
 bool MeditFile::next_word(std::string& word) {
   for (rest_ = trimmed(rest_); rest_.empty() || rest_.front() == '#'; rest_ = trimmed(in_.text())) {
+    rest_ = {};  // the line ends here
     if (!in_.next()) return false;
   }
   const auto is_blank = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };

@@ -163,7 +163,7 @@ class NamedSurface:
 
     def move(self, displacement: Any) -> None:
         """Displacements of the nodes at the end of the next step, reached at constant velocity, and kept until they are replaced [m]. A
-        constraint of the input must hold the surface in all directions: `displacement: [0, 0, 0]`."""
+        static problem multiplies them by its load factor. A constraint of the input must hold the surface in all directions: `displacement: [0, 0, 0]`."""
         values = self._checked(displacement, "displacement")
         with self._simulation._calls() as core:
             core.move(self.name, values)
@@ -213,8 +213,10 @@ class Simulation:
     def __enter__(self) -> "Simulation":
         return self
 
-    def __exit__(self, *_: Any) -> None:
-        self.close()
+    def __exit__(self, kind: "Optional[type[BaseException]]", *_: Any) -> None:
+        # What ends this rank alone must not wait here for the others.
+        if kind is None or self._module.num_ranks() == 1:
+            self.close()
 
     def __del__(self) -> None:
         # Not on several ranks, where it happens at different times.
@@ -289,9 +291,11 @@ class Simulation:
         """Replaces a value of the input, or several by key, from the next step on: a number or a formula, as in the input. Keys are those
         of `--set`: "cavities.chamber.pressure", "loads.0.traction.2".
 
-        Loads, contents of cavities, prescribed displacements, motions and motors of joints, tension and pull of tendons, the motion of
-        obstacles and active stress can change, and `time.step`; InputError, a ValueError, for everything else. A number that prescribes a
-        motion is reached at the end of the next step, at constant velocity. Collective."""
+        Loads, the pressure of cavities, their amount of gas and added volume of liquid, prescribed displacements, motions and motors of
+        joints, tension and pull of tendons, the motion of obstacles, active stress and shortening, expansion, `time.step` and
+        `time.min_step` can change; InputError, a ValueError, for everything else. A number that prescribes a motion is reached at the end
+        of the next step, at constant velocity; where it replaces a formula of the position, and a formula, count as they are.
+        Collective."""
         changes = changes_of(key if isinstance(key, Mapping) else {key: value})
         with self._calls() as core:
             core.set(changes)

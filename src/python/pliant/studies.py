@@ -55,7 +55,7 @@ class Modes:
     eigenvalue: np.ndarray  #: (n,) the square of the angular frequency [1/s^2]; negative of unstable modes
     growth_rate: np.ndarray  #: (n,) of unstable modes, which grow as exp(growth_rate * t) [1/s]; 0 of the others
     damping_ratio: np.ndarray  #: (n,) of the critical damping; NaN without viscosity
-    effective_mass: np.ndarray  #: (n, 3) along x, y, z, parts of the whole mass
+    effective_mass: np.ndarray  #: (n, 3) along x, y, z, fractions of the whole mass
     shapes: np.ndarray = dataclasses.field(repr=False)  #: (n, num_nodes, 3) [1/sqrt(kg)], in the order of the nodes of `result`
 
     @property
