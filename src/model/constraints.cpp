@@ -75,6 +75,8 @@ Constraints::Constraints(const Config& config, const NodeLayout& layout, Selecti
     RigidSystem system = make_rigid_system(constraints, selections);
     joints_ = std::move(system.joints);
     map_ = std::make_unique<ConstraintMap>(layout_, slaves, std::move(given), std::move(system.dependents));
+    const bool has_inertia = analysis_of(config) == Analysis::dynamic;
+    map_->set_rigidity(has_inertia ? Rigidity::of_accelerations : Rigidity::of_configurations);
   }
   add_supports(config);
 }

@@ -118,8 +118,10 @@ double corner_area(const NodeLayout& layout, std::span<const PetscInt> nodes) {
 
 }  // namespace
 
-Contacts::Contacts(const ContactConfig& config, const ContactBodies& bodies, std::vector<TouchingSurfaces> touching)
-    : config_(config), layout_(bodies.layout), body_names_(bodies.names) {
+Contacts::Contacts(const ContactConfig& config, Analysis analysis, const ContactBodies& bodies,
+                   std::vector<TouchingSurfaces> touching)
+    : config_(config), layout_(bodies.layout), body_names_(bodies.names), has_inertia_(analysis == Analysis::dynamic) {
+  const bool has_velocity = analysis != Analysis::static_equilibrium;
   for (const auto& o : config.obstacles) {
     auto shape = std::visit(DistanceOf{layout_.comm, o.point}, o.shape);
     if (o.side == ObstacleConfig::Side::inside) shape = hollow(std::move(shape));
@@ -127,6 +129,7 @@ Contacts::Contacts(const ContactConfig& config, const ContactBodies& bodies, std
     widths_.push_back(width_of(o, *obstacles_.back()));
   }
   if (!obstacles_.empty()) add_surfaces(bodies);
+  make_terms_of_obstacles(has_velocity);
   if (touching.empty()) return;
   for (TouchingSurfaces& entry : touching) {
     if (entry.law == NormalKind::penalty) mark_planes_of_symmetry(layout_, bodies.prescribed, entry);
@@ -134,6 +137,7 @@ Contacts::Contacts(const ContactConfig& config, const ContactBodies& bodies, std
   between_ = std::make_unique<BodyContacts>(config_, layout_, std::move(touching), body_names_, bodies.shear_moduli,
                                             bodies.start);
   for (const Diagnostic& note : between_->description()) description_.push_back(note);
+  between_->make_terms(has_velocity, terms_, groups_);
 }
 
 void Contacts::add_surfaces(const ContactBodies& bodies) {
@@ -178,12 +182,7 @@ void Contacts::add_surfaces(const ContactBodies& bodies) {
   }
 }
 
-void Contacts::prepare(const Config& config) {
-  terms_.clear();
-  pairs_.clear();
-  groups_.clear();
-  const bool has_velocity = analysis_of(config) != Analysis::static_equilibrium;
-  has_inertia_ = analysis_of(config) == Analysis::dynamic;
+void Contacts::make_terms_of_obstacles(bool has_velocity) {
   std::vector<ContactGroup> of_pairs;
   for (std::size_t k = 0; k < obstacles_.size(); ++k) {
     const ObstacleConfig& o = config_.obstacles[k];
@@ -211,7 +210,6 @@ void Contacts::prepare(const Config& config) {
     groups_.push_back(std::move(of_obstacle));
   }
   if (surfaces_.size() > 1) std::ranges::move(of_pairs, std::back_inserter(groups_));
-  if (between_) between_->make_terms(has_velocity, terms_, groups_);
 }
 
 void Contacts::check_start(const Instant& at, std::span<const double> q) const {

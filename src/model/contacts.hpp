@@ -4,6 +4,7 @@
 #include "energy/contact/contact.hpp"
 #include "energy/contact/passage.hpp"
 #include "fem/layout.hpp"
+#include "input/analysis.hpp"
 #include "input/config.hpp"
 #include "model/body_contacts.hpp"
 
@@ -36,12 +37,10 @@ struct NodalContact {
 
 class Contacts {
  public:
-  /// The facets take part unless all their entries are prescribed. Collective.
-  Contacts(const ContactConfig& config, const ContactBodies& bodies, std::vector<TouchingSurfaces> touching);
-
-  /// Makes the terms for the input's analysis: a static one has no velocity, so neither friction nor damping.
-  /// Invalidates earlier results of terms() and groups(). Not collective.
-  void prepare(const Config& config);
+  /// The facets take part unless all their entries are prescribed. A static analysis has no velocity, so neither
+  /// friction nor damping. Collective.
+  Contacts(const ContactConfig& config, Analysis analysis, const ContactBodies& bodies,
+           std::vector<TouchingSurfaces> touching);
 
   std::span<const std::unique_ptr<EnergyTerm>> terms() const { return terms_; }
   /// Contact of the bodies with one another; nullptr if the input has none.
@@ -82,6 +81,7 @@ class Contacts {
     const Contact* term;
   };
   void add_surfaces(const ContactBodies& bodies);
+  void make_terms_of_obstacles(bool has_velocity);
   /// A warning if an obstacle pushes a body at the start. Collective.
   std::optional<Diagnostic> warning_about_push(std::size_t obstacle, std::size_t body, const Instant& at,
                                                std::span<const double> q) const;
@@ -102,7 +102,7 @@ class Contacts {
   std::vector<ContactGroup> groups_;
   std::unique_ptr<BodyContacts> between_;
   std::vector<Diagnostic> description_;
-  bool has_inertia_ = false;
+  bool has_inertia_;
 };
 
 }  // namespace pliant

@@ -61,7 +61,7 @@ void Model::build(const Mesh& mesh, const TermFactory& additional) {
     warn({config.file, 0, 0},
          "nothing moves the bodies: no load, no prescribed motion, no initial velocity; the result is 0");
   }
-  prepare(config);
+  make_equation(config);
   if (contacts_) include(contacts_->warnings_about_start(instant(0.0), config.initial.displacement));
   check_overlap(config);
   include(notes_of_idle_keys(config));
@@ -234,7 +234,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   require_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);
   if (config.contact) {
     contacts_ = std::make_unique<Contacts>(
-        *config.contact,
+        *config.contact, analysis_of(config),
         ContactBodies{touching, layout_, *pattern_, body_of_cell_, body_names_, shear_moduli_,
                       constraints_->prescribed().flags(), initial_displacement(config.initial.displacement, layout_)},
         touching_each_other);
@@ -327,41 +327,37 @@ void Model::check_overlap(const Config& config) {
                                    "(BooleanFragments), or let them touch ('contact: {law: barrier, pairs: all}')");
 }
 
-void Model::prepare(const Config& config) {
-  constrained_equation_.reset();
-  const Analysis analysis = analysis_of(config);
-  is_dynamic_ = analysis == Analysis::dynamic;
-  static_time_ = analysis == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt;
-  if (ConstraintMap* map = constraints_->map()) {
-    map->set_rigidity(analysis == Analysis::dynamic ? Rigidity::of_accelerations : Rigidity::of_configurations);
-  }
-  viscous_ = viscous_terms(config);
+std::vector<const EnergyTerm*> Model::active_terms(const Config& config) const {
+  const bool has_velocity = analysis_of(config) != Analysis::static_equilibrium;
   std::vector<const EnergyTerm*> terms;
   // Results take volume ratios from the last stress that counts as elastic, which must be that of the law.
   for (const auto& term : softening_) terms.push_back(term.get());
   for (const auto& term : elastic_) terms.push_back(term.get());
   for (const auto& term : active_) terms.push_back(term.get());
   for (const auto& term : viscous_) terms.push_back(term.get());
-  joint_efforts_ = make_joint_efforts(config_, layout_, body_of_cell_, constraints_->joints());
   for (const auto& term : joint_efforts_) terms.push_back(term.get());
   for (const ModelTendon& tendon : tendons_) {
     terms.push_back(tendon.term.get());
-    const bool has_velocity = analysis != Analysis::static_equilibrium;
     if (tendon.friction && has_velocity) terms.push_back(tendon.friction.get());
   }
   for (const auto& term : springs_.terms) terms.push_back(term.get());
-  for (const EnergyTerm* term : rods_.terms(analysis != Analysis::static_equilibrium)) terms.push_back(term);
-  for (const EnergyTerm* term : shells_.terms(analysis != Analysis::static_equilibrium)) terms.push_back(term);
+  for (const EnergyTerm* term : rods_.terms(has_velocity)) terms.push_back(term);
+  for (const EnergyTerm* term : shells_.terms(has_velocity)) terms.push_back(term);
   for (const ModelCoupling& coupling : couplings_) terms.push_back(coupling.term.get());
   for (const LocatedTerm& load : loads_->terms()) terms.push_back(load.term.get());
   if (contacts_) {
-    contacts_->prepare(config);
     for (const auto& term : contacts_->terms()) terms.push_back(term.get());
   }
   for (const auto& term : additional_) terms.push_back(term.get());
-  if (analysis == Analysis::dynamic && inertia_) terms.push_back(inertia_.get());
-  potential_ =
-      std::make_unique<IncrementalPotential>(layout_, *pattern_, std::move(terms), constraints_->prescribed().flags());
+  if (analysis_of(config) == Analysis::dynamic && inertia_) terms.push_back(inertia_.get());
+  return terms;
+}
+
+void Model::make_equation(const Config& config) {
+  viscous_ = viscous_terms(config);
+  joint_efforts_ = make_joint_efforts(config, layout_, body_of_cell_, constraints_->joints());
+  potential_ = std::make_unique<IncrementalPotential>(layout_, *pattern_, active_terms(config),
+                                                      constraints_->prescribed().flags());
   if (!pressures_) return;
   check(VecSet(pressures_->values(), 0.0));
   update_ghosts(pressures_->values());
@@ -384,7 +380,7 @@ StageEquation& Model::equation() {
 
 PrescribedMotion Model::motion(Correction correction) const {
   PrescribedMotion motion = constraints_->motion(correction);
-  if (!inertia_ || !is_dynamic_) return motion;
+  if (!inertia_ || analysis_of(config_) != Analysis::dynamic) return motion;
   return with_projected_velocities(std::move(motion),
                                    {layout_, *inertia_, constraints_->prescribed().flags(), constraints_->map()});
 }

@@ -35,8 +35,9 @@ class Model;
 /// complete except for the sum of the terms; the model outlives the terms. Collective.
 using TermFactory = std::function<std::vector<std::unique_ptr<EnergyTerm>>(const Model&)>;
 
-/// Built in one go from the input; its members refer to one another, so it cannot be moved. The mesh itself is released
-/// once everything is found on it: it takes as much memory as all terms. A static problem has no inertia.
+/// Built in one go from the input, for its method: the form of strain rates depends on that. The members refer to one
+/// another, so it cannot be moved. The mesh itself is released once everything is found on it: it takes as much memory
+/// as all terms. A static problem has no inertia.
 class Model {
  public:
   /// Throws InputError with all errors that only the mesh reveals. Collective.
@@ -67,7 +68,7 @@ class Model {
   const Contacts* contacts() const { return contacts_.get(); }  ///< nullptr if the input has none
   IncrementalPotential& potential() { return *potential_; }
   /// The equation that a solver sees: that of the potential, in the unknowns that constraints leave free and, if there
-  /// are any, pressures. Valid until the next `prepare`; the first call is collective.
+  /// are any, pressures.
   StageEquation& equation();
   /// The equation with pressures as unknowns; nullptr if there are none.
   MixedEquation* mixed_equation() { return mixed_equation_.get(); }
@@ -89,10 +90,6 @@ class Model {
   /// Notes, then warnings.
   const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
 
-  /// Sets up the terms and their sum for the time integration method of `config`, on which the form of strain rates may
-  /// depend; the constructor does so for its own. Invalidates earlier results of `potential()`. Collective.
-  void prepare(const Config& config);
-
   /// Throws InputError at a load, a prescribed displacement, an expansion or a contraction that is not finite at the
   /// time [s]. Collective.
   void require_finite(double time) const;
@@ -101,7 +98,9 @@ class Model {
   std::vector<std::unique_ptr<EnergyTerm>> viscous_terms(const Config& config) const;
 
   /// What terms know about a time of the run (for a static problem: the load factor).
-  Instant instant(double time) const { return static_time_ ? Instant{*static_time_, time} : Instant{time, 1.0}; }
+  Instant instant(double time) const {
+    return analysis_of(config_) == Analysis::static_equilibrium ? Instant{config_.time.end, time} : Instant{time, 1.0};
+  }
 
   /// The hooks of the time layer; they refer to this object. Collective.
   PrescribedMotion motion(Correction correction = Correction::nearest) const;
@@ -116,6 +115,9 @@ class Model {
  private:
   void build(const Mesh& mesh, const TermFactory& additional);
   void build_terms(const Config& config, const Mesh& mesh);
+  /// All terms that act under the method of the input.
+  std::vector<const EnergyTerm*> active_terms(const Config& config) const;
+  void make_equation(const Config& config);
   /// Parts of the mesh that neither nodes nor constraints join.
   void find_components(const Config& config, Selections& selections);
   void check_overlap(const Config& config);
@@ -176,8 +178,6 @@ class Model {
   std::vector<char> are_kept_apart_;       // of each two
   std::vector<char> are_without_surface_;  // components that stand for bodies without a mesh
   bool overlaps_at_start_ = false;
-  bool is_dynamic_ = false;
-  std::optional<double> static_time_;  // at which a static problem takes its loads
   WaveSpeeds wave_speeds_;
   std::vector<Diagnostic> diagnostics_;
 };

@@ -30,7 +30,6 @@ StepOutcome::Kind outcome_of(const RetryDecision& decision, StepOutcome::Kind ot
 
 Simulation::Simulation(const Config& config, Model& model, Stages stages)
     : analysis_(analysis_of(config)), model_(model) {
-  model.prepare(config);
   q_ = make_vector(model.layout());
   v_ = make_vector(model.layout());
   if (analysis_ != Analysis::static_equilibrium) {

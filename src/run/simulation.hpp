@@ -59,8 +59,8 @@ struct StepStatistics {
 /// All methods are collective.
 class Simulation {
  public:
-  /// Starts from the input's initial state. `model` and `config` outlive the object; the model's terms are set up for
-  /// the method of `config`. Throws InputError if the initial state or a PETSc option is wrong.
+  /// Starts from the input's initial state. `config` is that of the model, but for its output; both outlive the object.
+  /// Throws InputError if the initial state or a PETSc option is wrong.
   Simulation(const Config& config, Model& model, Stages stages = Stages::solved_here);
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;

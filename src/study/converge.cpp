@@ -4,6 +4,7 @@
 #include "base/limits.hpp"
 #include "io/history_writer.hpp"
 #include "io/svg_plot.hpp"
+#include "model/mesh_source.hpp"
 #include "model/model.hpp"
 #include "petsc/collective.hpp"
 #include "run/simulation.hpp"
@@ -56,6 +57,7 @@ Handle<Vec> copy_of(Vec x) {
   return copy;
 }
 
+/// `model`: of this input.
 Solution solve(const Config& config, Model& model) {
   const auto start = std::chrono::steady_clock::now();
   Simulation simulation(config, model);
@@ -74,6 +76,11 @@ Solution solve(const Config& config, Model& model) {
   solution.newton_iterations = simulation.solver_statistics().newton_iterations;
   solution.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return solution;
+}
+
+Solution solve(const Config& config, const Mesh& mesh) {
+  Model model(mesh, config);
+  return solve(config, model);
 }
 
 /// Edge of the regular tetrahedron whose volume is the mean of the cells'.
@@ -119,9 +126,10 @@ class Study {
   // ---- studies
 
   void in_time() {
-    Model model(comm_, first());
-    const Solution reference =
-        solve(reference_with(first(), std::ldexp(first().time.step, 1 - options_.levels) / 4.0), model);
+    const Mesh mesh = read_mesh(comm_, mesh_source(first()));
+    const Config finest = reference_with(first(), std::ldexp(first().time.step, 1 - options_.levels) / 4.0);
+    Model model(mesh, finest);
+    const Solution reference = solve(finest, model);
     require(reference);
     for (const Config& config : configs_) {
       for (int level = 0; level < options_.levels; ++level) {
@@ -129,24 +137,25 @@ class Study {
         finer.time.step = std::ldexp(config.time.step, -level);
         finer.time.min_step = finer.time.step / 1024.0;
         Row row = row_of(finer, level, finer.time.step, mesh_size(model.mesh_report()));
-        compare(model, solve(finer, model), reference, row);
+        compare(model, solve(finer, mesh), reference, row);
         add(std::move(row), 2.0);
       }
     }
   }
 
   void by_tolerance() {
-    Model model(comm_, first());
+    const Mesh mesh = read_mesh(comm_, mesh_source(first()));
     Config finest = reference_with(first(), first().time.step);
     finest.time.adaptive = first().time.adaptive;
     set_tolerance(finest, options_.levels + 1);
+    Model model(mesh, finest);
     const Solution reference = solve(finest, model);
     require(reference);
     for (const Config& config : configs_) {
       for (int level = 0; level < options_.levels; ++level) {
         Config finer = config;
         set_tolerance(finer, level);
-        const Solution solution = solve(finer, model);
+        const Solution solution = solve(finer, mesh);
         const AdaptiveConfig& to = *finer.time.adaptive;
         Row row = row_of(finer, level, finer.time.end / static_cast<double>(solution.steps), to.relative);
         compare(model, solution, reference, row);
