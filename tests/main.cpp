@@ -28,6 +28,9 @@ std::filesystem::path source_root() {
 std::filesystem::path build_root() {
   return PLIANT_BINARY_DIR;
 }
+bool has_time() {
+  return std::getenv("PLIANT_LONG_TESTS") != nullptr;
+}
 
 }  // namespace pliant
 

@@ -73,7 +73,7 @@ class MshCursor {
   static constexpr std::int64_t lowest() {
     return static_cast<std::int64_t>(std::numeric_limits<T>::lowest());
   }
-  /// Of 64 bits without a sign, half are enough.
+  /// The upper half of 64 bits without a sign is left out.
   template <class T>
   static constexpr std::int64_t highest() {
     return sizeof(T) < 8 ? static_cast<std::int64_t>(std::numeric_limits<T>::max()) : INT64_MAX;

@@ -98,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(Registry, CavityOrders, ::testing::Range<std::size_t>(0
 
 // A cube that spins in a gas of which more and more is there: no method loses its order, in q or v.
 TEST_P(CavityOrders, AreThoseOfTheMethod) {
-  if (static_cast<int>(GetParam()) % num_ranks(comm) != rank(comm)) return;  // another rank's
+  if (num_ranks(comm) > 1) GTEST_SKIP() << "the motion is that of one rank";
   const Method& method = methods()[GetParam()];
   constexpr double end = 0.5;
   const int num_fine = method.order == 1 ? 192 : 96;  // the first order shows later

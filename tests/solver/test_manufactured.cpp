@@ -1,5 +1,6 @@
 // Order of convergence in space against a manufactured solution (docs: verification), with the reference's error norms.
 #include "material/states.hpp"
+#include "places.hpp"
 #include "solver/problem.hpp"
 
 namespace pliant::test_manufactured {
@@ -175,7 +176,9 @@ TEST(ManufacturedSolution, LinearElementsAreOfSecondOrder) {
 // The reference integrates the stiffness by 27 collapsed points, not quite exactly; here it is exact.
 TEST(ManufacturedSolution, QuadraticElementsAreOfThirdOrder) {
   if (num_ranks(comm) > 1) GTEST_SKIP() << "linear elements show that ranks do not matter";
-  expect_errors<2>({3.834696e-4, 4.874802e-5, 6.118475e-6}, 5e-5);
+  std::vector<double> reference{3.834696e-4, 4.874802e-5};
+  if (has_time()) reference.push_back(6.118475e-6);
+  expect_errors<2>(reference, 5e-5);
 }
 
 }  // namespace

@@ -27,7 +27,6 @@ enum class Scene { obstacles, bodies, sinking_bodies };
 enum class Drags { none, frozen, iterated };
 
 struct OrderCase {
-  int number;
   Scene scene;
   Method method;
   Drags drags;
@@ -52,7 +51,7 @@ std::vector<OrderCase> every_case() {
     for (const Method& method : methods()) {
       for (const Drags drags : {Drags::none, Drags::frozen, Drags::iterated}) {
         if (scene == Scene::sinking_bodies && drags == Drags::frozen) continue;
-        cases.push_back({static_cast<int>(cases.size()), scene, method, drags});
+        cases.push_back({scene, method, drags});
       }
     }
   }
@@ -163,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(Registry, ContactOrders, ::testing::ValuesIn(every_case
 
 TEST_P(ContactOrders, AreThoseOfTheTable) {
   const OrderCase& c = GetParam();
-  if (c.number % num_ranks(MPI_COMM_WORLD) != rank(MPI_COMM_WORLD)) return;  // another rank's
+  if (num_ranks(MPI_COMM_WORLD) > 1) GTEST_SKIP() << "the motion is that of one rank";
   const std::string file = scratch_.file("body.msh", [&](const std::string& f) {
     if (c.scene != Scene::obstacles) return test::write_two_cubes(f, Motion::gap, 1);
     test::write_body(f, {1, Shape::straight, 1});

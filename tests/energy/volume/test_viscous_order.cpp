@@ -27,7 +27,6 @@ struct Damping {
 };
 
 struct OrderCase {
-  int number;
   Method method;
   Damping damping;
   BodySpec body;
@@ -70,7 +69,7 @@ Damping every_mechanism(StrainRate rate) {
 std::vector<OrderCase> every_case() {
   std::vector<OrderCase> cases;
   const auto add = [&](const Method& method, const Damping& damping, int order) {
-    cases.push_back({static_cast<int>(cases.size()), method, damping, {order, Shape::straight, 1}});
+    cases.push_back({method, damping, {order, Shape::straight, 1}});
   };
   for (const Method& method : methods()) {
     for (const auto& form : strain_rates()) add(method, kelvin_voigt(form.rate), 1);
@@ -157,7 +156,7 @@ INSTANTIATE_TEST_SUITE_P(Registry, ViscousOrders, ::testing::ValuesIn(every_case
 
 TEST_P(ViscousOrders, AreThoseOfTheTable) {
   const OrderCase& c = GetParam();
-  if (c.number % num_ranks(MPI_COMM_WORLD) != rank(MPI_COMM_WORLD)) return;  // another rank's
+  if (num_ranks(MPI_COMM_WORLD) > 1) GTEST_SKIP() << "the motion is that of one rank";
   const std::string file = scratch_.file("body.msh", [&](const std::string& f) { test::write_body(f, c.body); });
   const auto& exact = reference(file, c);
   Motion motion(file, c.body, c.damping);
