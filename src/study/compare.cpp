@@ -102,6 +102,7 @@ class Comparison {
  private:
   void read(const std::string& run) {
     const fs::path path = run;
+    if (!fs::exists(path)) throw FileError(fmt::format("there is no result: '{}' does not exist", run));
     const fs::path file = fs::is_directory(path) ? path / "history.csv" : path;
     HistoryTable table = read_history(file);
     if (table.num_rows() == 0 || table.find("time") == nullptr) {

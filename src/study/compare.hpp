@@ -18,7 +18,7 @@ struct CompareOptions {
 /// Prints, for each column, the largest difference of each run from the first over the time that both cover, and where
 /// it is. Histories with other steps are interpolated along straight lines. Writes compare.csv and, for each column
 /// that varies, a plot of all runs and one of the differences. Throws InputError for a run without a history or a
-/// column that none has. One process only.
+/// column that none has, FileError for one that does not exist. One process only.
 ExitCode compare_command(const CompareOptions& options, Console& console);
 
 }  // namespace pliant

@@ -80,11 +80,11 @@ class Sweep {
     ended_ = run_all(programs, options_.environment, at_once, [&](std::size_t index, const Ended& how) {
       console_.print(fmt::format("[{}/{}] {}: {} after {:.3g} s", ++done, cases_.size(),
                                  cases_[index].directory.filename().string(), in_words(how), how.seconds));
+      warn_of_missing_columns(cases_[index].directory);
     });
     for (std::size_t i = 0; i < cases_.size(); ++i) {
       histories_.push_back({label_of(keys_, i), read_history(cases_[i].directory / "history.csv")});
     }
-    warn_of_missing_columns();
     print_table();
     write_text_atomically(directory_ / "sweep.csv", csv());
     const std::size_t plots = draw();
@@ -250,12 +250,16 @@ class Sweep {
     return program;
   }
 
-  void warn_of_missing_columns() const {
-    const auto all = columns_of(histories_);
+  /// Once, at the first run that has a history: the others will have the same columns.
+  void warn_of_missing_columns(const fs::path& run) {
+    if (has_looked_for_columns_ || options_.results.empty()) return;
+    const std::vector<LabelledHistory> first{{run.filename().string(), read_history(run / "history.csv")}};
+    const auto all = columns_of(first);
+    has_looked_for_columns_ = !all.empty();
     for (const RunNumber& result : options_.results) {
       if (all.empty() || std::ranges::find(all, result.column) != all.end()) continue;
-      console_.warn(fmt::format("no history has the column '{}' of --result {}{}", result.column, result.name,
-                                did_you_mean(result.column, all)));
+      console_.warn(fmt::format("the history of {} has no column '{}' for --result {}{}", first.front().label,
+                                result.column, result.name, did_you_mean(result.column, all)));
     }
   }
 
@@ -358,6 +362,7 @@ class Sweep {
   fs::path directory_;
   std::vector<Case> cases_;
   std::vector<Ended> ended_;
+  bool has_looked_for_columns_ = false;
   std::vector<LabelledHistory> histories_;
 };
 

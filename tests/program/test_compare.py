@@ -52,9 +52,11 @@ class Compare(ProgramTest):
         self.assertEqual({float(row["largest_difference"]) for row in same}, {0.0})
         self.assertEqual({row["run"] for row in same}, {"coarse (2)", "coarse (3)"})
         self.assertFalse((self.directory / "same/tip_z_difference.svg").exists())
-        for arguments, expected in ((("coarse", "nowhere"), "nowhere: it has no history"),
-                                    (("coarse", "fine", "--of", "tip_q"), "no run has this column (did you mean 'tip_")):
-            told = self.compare(*arguments, code=2)
+        (self.directory / "empty").mkdir()
+        for arguments, code, expected in ((("coarse", "nowhere"), 4, "there is no result: 'nowhere' does not exist"),
+                                          (("coarse", "empty"), 2, "empty: it has no history"),
+                                          (("coarse", "fine", "--of", "tip_q"), 2, "no run has this column (did you mean 'tip_")):
+            told = self.compare(*arguments, code=code)
             self.assertIn(expected, told.stderr)
             self.assertEqual(told.stderr.count("\n"), 1)
 
@@ -63,7 +65,7 @@ class Compare(ProgramTest):
                          "time.method=[bdf2, backward-euler]", "--set", "time.end=40 ms", "--result", "lowest=min(tip_z)", "--result",
                          "mean(kinetic_energy)", "--result", "max(tip_q)")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("no history has the column 'tip_q' of --result max(tip_q) (did you mean 'tip_", done.stderr)
+        self.assertEqual(done.stderr.count("has no column 'tip_q' for --result max(tip_q) (did you mean 'tip_"), 1)
         with open(self.directory / "out/sweep.csv", encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual(len(rows), 4)
