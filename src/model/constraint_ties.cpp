@@ -193,7 +193,10 @@ std::vector<Slave> eliminate_ties(const ConstraintsOnMesh& constraints, const Pr
   }
   auto all = gathered(layout.comm, prescribed.constraints(layout, named));
   const std::size_t num_prescribed = all.size();
-  std::ranges::stable_sort(ties.single, {}, &LinearConstraint::source);
+  // The reactions of constraints that repeat one another depend on the order, which must not depend on the ranks.
+  std::ranges::stable_sort(ties.single, {}, [](const LinearConstraint& tie) {
+    return std::pair(tie.source, tie.given.empty() ? Vector3<double>{} : tie.given.front().X);
+  });
   std::ranges::move(ties.single, std::back_inserter(all));
   std::vector<GivenDisplacement> given;
   for (const ConstraintPart& part : parts) given.push_back(part.displacement);

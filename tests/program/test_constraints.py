@@ -93,6 +93,17 @@ class Constraints(ProgramTest):
         for column in ("elastic_energy", "right_fy", "support_work"):
             np.testing.assert_allclose(again[column], history[column], rtol=1e-8, atol=0)
 
+    def test_reactions_of_constraints_that_repeat_one_another(self):
+        # Where the surfaces meet, one of the constraints is implied by the others: which one must not depend on the ranks.
+        write_box(self.directory / "box.msh", (3, 4, 3), (1, 1, 1))
+        constraints = ["{surface: left, displacement: [0, 0, 0], name: clamp}",
+                       "{surface: right, displacement_along: 0, direction: [1, 1, 1], name: slope}",
+                       "{surface: back, periodic_with: front, difference: [0, free, 0], name: cell}"]
+        runs = [self.solve("box.msh", constraints, more="loads: [{gravity: [0, 3, -9.81]}]\n", ranks=ranks) for ranks in (1, 2, 3)]
+        for name in ("clamp", "slope", "cell"):
+            forces = np.array([[run[f"{name}_f{axis}"][-1] for axis in "xyz"] for run in runs])
+            np.testing.assert_allclose(forces, np.broadcast_to(forces[0], forces.shape), atol=1e-7 * np.abs(forces).max())
+
     def test_turning_grip(self):
         # A bar turned by a grip that also moves: the torque is the derivative of the energy, the ledger closes.
         write_box(self.directory / "bar.msh", (6, 2, 2), (3, 1, 1), origin=(0, -0.5, -0.5))

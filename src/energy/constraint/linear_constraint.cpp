@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace pliant {
 namespace {
@@ -18,16 +17,27 @@ constexpr double nearly = 0.999;
 /// A preferred pivot has at least this fraction of the largest coefficient.
 constexpr double not_small = 0.1;
 
-/// sum of c_k q_k - given, while slaves are substituted.
+/// sum of c_k q_k - given, while slaves are substituted. The entries are in the order in which they were added: their
+/// numbers depend on the ranks.
 struct Row {
-  std::map<PetscInt, std::pair<double, double>> entries;  // coefficient, and the size of its summands
+  struct Summed {
+    PetscInt entry;
+    double coefficient, size;  // of its summands
+  };
+  std::vector<Summed> entries;
   std::vector<GivenTerm> given;
 
+  const Summed* find(PetscInt entry) const {
+    const auto found = place_.find(entry);
+    return found == place_.end() ? nullptr : &entries[found->second];
+  }
   void add(double factor, std::span<const ConstraintEntry> more) {
     for (const auto& [entry, coefficient] : more) {
-      auto& [value, size] = entries[entry];
-      value += factor * coefficient;
-      size += std::abs(factor * coefficient);
+      const auto [place, is_new] = place_.try_emplace(entry, entries.size());
+      if (is_new) entries.push_back({entry, 0.0, 0.0});
+      Summed& sum = entries[place->second];
+      sum.coefficient += factor * coefficient;
+      sum.size += std::abs(factor * coefficient);
     }
   }
   void add(double factor, std::span<const GivenTerm> more) {
@@ -44,24 +54,29 @@ struct Row {
     }
   }
   void drop_rounding() {
-    std::erase_if(entries, [](const auto& e) { return std::abs(e.second.first) <= cancellation * e.second.second; });
+    std::erase_if(entries, [](const Summed& e) { return std::abs(e.coefficient) <= cancellation * e.size; });
     std::erase_if(given, [](const GivenTerm& g) { return std::abs(g.weight) <= cancellation; });
+    place_.clear();
+    for (std::size_t k = 0; k < entries.size(); ++k) place_[entries[k].entry] = k;
   }
+
+ private:
+  std::unordered_map<PetscInt, std::size_t> place_;
 };
 
 /// In the order in which the constraint lists its entries, then any others.
 PetscInt choose_pivot(const Row& row, const LinearConstraint& constraint, std::optional<PetscInt> preferred) {
   double largest = 0.0;
-  for (const auto& e : row.entries) largest = std::max(largest, std::abs(e.second.first));
+  for (const auto& e : row.entries) largest = std::max(largest, std::abs(e.coefficient));
   const auto exceeds = [&](PetscInt entry, double fraction) {
-    const auto found = row.entries.find(entry);
-    return found != row.entries.end() && std::abs(found->second.first) >= fraction * largest;
+    const auto* found = row.find(entry);
+    return found != nullptr && std::abs(found->coefficient) >= fraction * largest;
   };
   if (preferred && exceeds(*preferred, not_small)) return *preferred;
   for (const auto& e : constraint.entries) {
     if (exceeds(e.entry, nearly)) return e.entry;
   }
-  return std::ranges::find_if(row.entries, [&](const auto& e) { return exceeds(e.first, nearly); })->first;
+  return std::ranges::find_if(row.entries, [&](const auto& e) { return exceeds(e.entry, nearly); })->entry;
 }
 
 }  // namespace
@@ -86,10 +101,10 @@ void Eliminator::add(const LinearConstraint& constraint, std::optional<PetscInt>
     return;
   }
   const PetscInt pivot = choose_pivot(row, constraint, preferred);
-  const double factor = -1.0 / row.entries.at(pivot).first;
+  const double factor = -1.0 / row.find(pivot)->coefficient;
   Slave slave{pivot, {}, {}, constraint.source};
-  for (const auto& [entry, coefficient] : row.entries) {
-    if (entry != pivot) slave.masters.push_back({entry, factor * coefficient.first});
+  for (const auto& [entry, coefficient, size] : row.entries) {
+    if (entry != pivot) slave.masters.push_back({entry, factor * coefficient});
   }
   slave.given = std::move(row.given);
   for (GivenTerm& term : slave.given) term.weight *= factor;
@@ -142,8 +157,8 @@ void Eliminator::put_into_others(const Slave& slave) {
     row.add(coefficient, slave.given);
     row.drop_rounding();
     other.masters.clear();
-    for (const auto& [entry, c] : row.entries) {
-      other.masters.push_back({entry, c.first});
+    for (const auto& [entry, c, size] : row.entries) {
+      other.masters.push_back({entry, c});
       slaves_of_[entry].insert(s);
     }
     other.given = std::move(row.given);

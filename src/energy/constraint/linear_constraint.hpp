@@ -51,7 +51,8 @@ struct Elimination {
 };
 
 /// Gaussian elimination, constraint by constraint: the slave of each constraint is the entry with the largest
-/// coefficient (the first of several) after substituting the earlier constraints. A constraint that the earlier ones
+/// coefficient after substituting the earlier constraints, the first of several: of its own entries, then of those that
+/// were substituted. Nothing depends on the numbers of the entries. A constraint that the earlier ones
 /// imply gives no slave; one that conflicts with them at one of the `times` is reported. Chains of any length are
 /// resolved. Not collective.
 class Eliminator {

@@ -17,11 +17,13 @@ struct PlacedNode {
   Vector3<double> X;
 };
 
-/// Gathers the nodes of all ranks, in rank order, on every rank. Collective.
+/// Gathers the nodes of all ranks on every rank, by place: in an order that does not depend on the ranks. Collective.
 std::vector<PlacedNode> placed(const NodeLayout& layout, std::span<const PetscInt> nodes) {
   std::vector<PlacedNode> mine;
   for (const PetscInt n : nodes) mine.push_back({layout.global_node(n), layout.position(n)});
-  return gathered(layout.comm, mine);
+  auto all = gathered(layout.comm, mine);
+  std::ranges::stable_sort(all, {}, &PlacedNode::X);
+  return all;
 }
 
 struct NodeBox {
