@@ -338,10 +338,11 @@ std::vector<Diagnostic> warnings_about_iterations(const Config& config, double i
     if (!rule.is_uniform() || !volumetric_form_of(rule.kind())) continue;
     const auto rest = rule.law_at(0, {}).at_rest();
     if (!rest || poissons_ratio(*rest) < locking_ratio) continue;
-    return {{Severity::warning, body.elasticity->where,
-             fmt::format("Newton's method took {:.0f} iterations a stage, because this body resists a change of volume "
-                         "much more than a change of shape; 'volumetric: mixed' needs a few",
-                         iterations)}};
+    return {
+        {Severity::warning, body.elasticity->where,
+         fmt::format("Newton's method takes {:.0f} iterations a stage, because this body resists a change of volume "
+                     "much more than a change of shape; 'volumetric: mixed' needs a few",
+                     iterations)}};
   }
   return {};
 }

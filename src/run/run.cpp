@@ -29,6 +29,8 @@
 namespace pliant {
 namespace {
 
+/// After so many stages the mean number of their iterations says something.
+constexpr int telling_stages = 3;
 /// A stage that takes longer than this is reported to the user [s].
 constexpr double long_stage = 30.0;
 
@@ -110,6 +112,7 @@ class Run {
       const StepOutcome outcome = simulation_->advance();
       if (outcome.kind == StepOutcome::Kind::failed) give_up(outcome);
       if (outcome.kind == StepOutcome::Kind::unsolved) console_.warn(outcome.reason);
+      warn_of_iterations(telling_stages);
       if (outcome.kind != StepOutcome::Kind::accepted) continue;
       if (!outcome.reason.empty()) console_.warn(outcome.reason);
       recorder_->record(record(), simulation_->ledger());
@@ -302,8 +305,7 @@ class Run {
           method_name(config_.time.method)));
     }
     warn_of_solutions(s);
-    const double iterations = static_cast<double>(s.newton_iterations) / std::max(1.0, static_cast<double>(s.stages));
-    for (const Diagnostic& warning : warnings_about_iterations(config_, iterations)) console_.warn(to_string(warning));
+    warn_of_iterations(1);
     console_.print(fmt::format("results: {0}/result.xdmf, {0}/history.csv", config_.output.directory));
     for (const auto& option : unused_petsc_options()) {
       console_.warn(fmt::format("no solver used the PETSc option {}; is it misspelt?", option));
@@ -333,6 +335,17 @@ class Run {
                     "{:.1e} N (tolerance {:.1e} N), {} linear iterations in the last one",
                     variable(), record().time, is_static() ? "" : " s", stage.seconds, stage.iteration, stage.residual,
                     stage.target, stage.linear_iterations));
+  }
+
+  /// Once, when so many stages have been solved, or have failed.
+  void warn_of_iterations(long long least_stages) {
+    const SolverStatistics& s = simulation_->solver_statistics();
+    if (iterations_are_reported_ || s.stages < least_stages) return;
+    const double iterations = static_cast<double>(s.newton_iterations) / static_cast<double>(s.stages);
+    for (const Diagnostic& warning : warnings_about_iterations(config_, iterations)) {
+      console_.warn(to_string(warning));
+      iterations_are_reported_ = true;
+    }
   }
 
   void warn_of_solutions(const SolverStatistics& s) {
@@ -370,7 +383,7 @@ class Run {
   double setup_seconds_ = 0.0;
   bool last_frame_written_ = true;
   std::int64_t last_row_ = 0;  // step of the last row of the history
-  bool multigrid_is_reported_ = false;
+  bool multigrid_is_reported_ = false, iterations_are_reported_ = false;
   std::int64_t last_frame_ = 0;  // step of the last frame that was due
   double largest_energy_ = 0.0;  // so far [J]
   std::optional<EnergyWatch> energy_watch_;

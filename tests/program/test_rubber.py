@@ -183,7 +183,9 @@ constraints: [{{surface: bottom, displacement: [0, 0, 0]}}, {{surface: top, disp
 time: {{method: static, load_steps: 2}}
 """)
         text = "'volumetric: mixed' needs a few"
-        self.assertIn(text, self.pliant("run", "in.yaml").stderr)
+        for steps, lid in ((2, -0.2), (4, -0.4)):  # told at the end, or as soon as it is known
+            done = self.pliant("run", "in.yaml", "--set", f"time.load_steps={steps}", "--set", f"constraints.1.displacement=[0, 0, {lid}]")
+            self.assertEqual(done.stderr.count(text), 1, done.stderr)
         self.assertNotIn(text, self.pliant("run", "in.yaml", "--set", "volumetric=mixed").stderr)
 
 
