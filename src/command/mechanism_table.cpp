@@ -60,6 +60,7 @@ std::string line_of(const SpringConfig& spring, const LineSpring& on_mesh, doubl
 
 std::vector<std::string> body_table(const Config& config, const Model& model) {
   std::vector<std::string> lines{"bodies"};
+  const Config completed = with_rigid_bodies(config);
   Diagnostics ignored;
   const InputNode input = parse_yaml(dump(config), config.file, ignored);
   const InputNode* bodies = given(input, {"bodies"});
@@ -69,8 +70,9 @@ std::vector<std::string> body_table(const Config& config, const Model& model) {
                                    body.elasticity ? describe(*body.elasticity) : "rigid");
     if (body.density) text += fmt::format(", density {:.4g} kg/m^3", *body.density);
     if (body.is_rigid) {
-      const auto [volume, center] = volume_of_body(model.layout(), model.body_of_cell(), static_cast<int>(b));
-      if (body.density) text += fmt::format(", mass {:.6g} kg", *body.density * volume);
+      const auto [mass, center] =
+          mass_of_rigid_body(completed, model.layout(), model.body_of_cell(), model.shells(), static_cast<int>(b));
+      if (mass > 0.0) text += fmt::format(", mass {:.6g} kg", mass);
       text += ", center " + place(center);
     }
     lines.push_back(std::move(text));

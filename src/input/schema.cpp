@@ -364,7 +364,7 @@ bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& s
   for (const InputNode& child : node.children) {
     if (std::find(names.begin(), names.end(), child.key) == names.end()) {
       diagnostics.add(child.key_where, unknown_key(child, name, node, section));
-      if (const auto meant = meant_by(child.key, usable(node, section))) diagnostics.note_misspelt(node.where, *meant);
+      if (const auto meant = meant_by(child.key, usable(node, section))) diagnostics.note_wrong(node.where, *meant);
     }
   }
   for (const KeyInfo& key : section.children) {

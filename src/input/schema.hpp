@@ -279,7 +279,9 @@ struct Section {
     for (const Field<T>& f : fields) {
       const InputNode* given = node.find(f.info.key);
       if (given != nullptr && given->kind != InputNode::Kind::null) {
+        const std::size_t num_errors = diagnostics.num_errors();
         f.read(*given, diagnostics, into);
+        if (diagnostics.num_errors() > num_errors) diagnostics.note_wrong(node.where, f.info.key);
       } else if (f.fallback) {
         InputNode fallback = *f.fallback;
         fallback.where = node.where;

@@ -113,16 +113,16 @@ std::string block_text(const InputNode& node, const std::string& indent) {
 
 }  // namespace
 
-bool Diagnostics::is_misspelt(const Lack& lack) const {
+bool Diagnostics::is_wrong(const Lack& lack) const {
   return std::ranges::any_of(lack.keys, [&](const std::string& key) {
-    return misspelt_.count({to_string(lack.section), key}) > 0;
+    return wrong_.count({to_string(lack.section), key}) > 0;
   });
 }
 
 void Diagnostics::throw_if_errors() const {
   std::vector<Diagnostic> errors;
   for (const Error& error : found_) {
-    if (!is_misspelt(error.lack)) errors.push_back(error.diagnostic);
+    if (!is_wrong(error.lack)) errors.push_back(error.diagnostic);
   }
   if (errors.empty()) return;
   const auto order = [](const Diagnostic& d) { return std::tie(d.where.line, d.where.column); };

@@ -27,12 +27,12 @@ class Diagnostics {
     Location section;
     std::vector<std::string> keys;
   };
-  /// The error of a lack, unless one of the keys is there but misspelt, which is an error already.
+  /// The error of a lack, unless one of the keys is there but wrong, which is an error already.
   void add(Lack lack, Location where, std::string message) {
     found_.push_back({{Severity::error, std::move(where), std::move(message)}, std::move(lack)});
   }
-  /// An error says that a key of the section is a misspelling of `key`.
-  void note_misspelt(const Location& section, const std::string& key) { misspelt_.emplace(to_string(section), key); }
+  /// An error says what is wrong with `key` of the section, or with a misspelling of it.
+  void note_wrong(const Location& section, const std::string& key) { wrong_.emplace(to_string(section), key); }
   std::size_t num_errors() const { return found_.size(); }
   /// Throws InputError with every error, in the order of the file; returns if there is none.
   void throw_if_errors() const;
@@ -43,11 +43,11 @@ class Diagnostics {
     Diagnostic diagnostic;
     Lack lack;  // without keys: no lack
   };
-  bool is_misspelt(const Lack& lack) const;
+  bool is_wrong(const Lack& lack) const;
 
   std::vector<Error> found_;
   std::vector<Diagnostic> warnings_;
-  std::set<std::pair<std::string, std::string>> misspelt_;  // where the section is, the key meant
+  std::set<std::pair<std::string, std::string>> wrong_;  // where the section is, the key meant
 };
 
 /// A value of the input and, in a map, its key. Aliases are resolved (copied).

@@ -112,7 +112,9 @@ class LoadTerms {
     if (load.part.kind == Selection::Kind::volume) {
       const auto body = rigid_body(load);
       if (!body) return nullptr;
-      const AffineBody unit{*body, 1.0, center_of_rigid_body(config_, bodies_.layout, bodies_.body_of_cell, *body), {}};
+      const auto [mass, center] =
+          mass_of_rigid_body(config_, bodies_.layout, bodies_.body_of_cell, bodies_.shells, *body);
+      const AffineBody unit{*body, 1.0, center, {}};
       return dead_load(samples_at_centres(std::span(&unit, 1)), force.value);
     }
     return dead_load(shared_samples(load.part, variation_of(force.value)), force.value);

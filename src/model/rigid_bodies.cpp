@@ -168,28 +168,49 @@ std::vector<AffineBody> masses_of_rigid_bodies(const Config& config) {
   return result;
 }
 
-BodyVolume volume_of_body(const NodeLayout& layout, const std::vector<int>& body_of_cell, int body) {
-  std::array<double, 4> sums{};
-  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+RigidMass mass_of_rigid_body(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,
+                             const ModelShells& shells, int body) {
+  const auto first = static_cast<int>(config.bodies.size() - config.rigid_bodies.size());
+  if (body >= first) {
+    const RigidBodyConfig& given = config.rigid_bodies[static_cast<std::size_t>(body - first)];
+    return {given.mass, given.center};
+  }
+  std::vector<char> is_of_body(static_cast<std::size_t>(layout.num_local_nodes), 0);
+  std::array<double, 4> of_volume{}, of_layers{};  // sums of measure times place, and of the measure
+  const auto add = [](std::array<double, 4>& sums, double size, const Vector3<double>& place) {
+    for (std::size_t i = 0; i < 3; ++i) sums[i] += size * place[i];
+    sums[3] += size;
+  };
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
     if (body_of_cell[static_cast<std::size_t>(c)] != body) continue;
     const auto nodes = layout.nodes_of_cell(c);
+    for (const PetscInt n : nodes) is_of_body[static_cast<std::size_t>(n)] = 1;
+    if (c >= layout.num_owned_cells) continue;
     std::array<Vector3<double>, 4> x;
     for (std::size_t k = 0; k < 4; ++k) x[k] = layout.position(nodes[k]);
-    const double volume = dot(x[1] - x[0], cross(x[2] - x[0], x[3] - x[0])) / 6.0;
-    const Vector3<double> middle = 0.25 * (x[0] + x[1] + x[2] + x[3]);
-    sums[3] += volume;
-    for (std::size_t i = 0; i < 3; ++i) sums[i] += volume * middle[i];
+    add(of_volume, dot(x[1] - x[0], cross(x[2] - x[0], x[3] - x[0])) / 6.0, 0.25 * (x[0] + x[1] + x[2] + x[3]));
   }
-  sum_in_place(layout.comm, sums);
-  return {sums[3], (1.0 / sums[3]) * Vector3<double>{sums[0], sums[1], sums[2]}};
-}
-
-// The density is uniform.
-Vector3<double> center_of_rigid_body(const Config& config, const NodeLayout& layout,
-                                     const std::vector<int>& body_of_cell, int body) {
-  const auto first = static_cast<int>(config.bodies.size() - config.rigid_bodies.size());
-  if (body >= first) return config.rigid_bodies[static_cast<std::size_t>(body - first)].center;
-  return volume_of_body(layout, body_of_cell, body).center;
+  for (const ModelShell& shell : shells.shells) {
+    const std::vector<double> masses = lumped_masses_of_layer(layout, shell.facets, shell.mass_per_area);
+    for (PetscInt f = 0; f < shell.facets.size(); ++f) {
+      const auto nodes = shell.facets.nodes_of(f);
+      const auto is_its_own = [&](PetscInt n) { return is_of_body[static_cast<std::size_t>(n)] != 0; };
+      if (shell.facets.is_owned[static_cast<std::size_t>(f)] == 0 || !std::ranges::all_of(nodes, is_its_own)) continue;
+      for (std::size_t a = 0; a < nodes.size(); ++a) {
+        add(of_layers, masses[static_cast<std::size_t>(f) * nodes.size() + a], layout.position(nodes[a]));
+      }
+    }
+  }
+  sum_in_place(layout.comm, of_volume);
+  sum_in_place(layout.comm, of_layers);
+  const double density = config.bodies[static_cast<std::size_t>(body)].density.value_or(0.0);
+  std::array<double, 4> moments = of_volume;
+  RigidMass result{density * of_volume[3] + of_layers[3], {}};
+  if (result.mass > 0.0) {
+    for (std::size_t i = 0; i < 4; ++i) moments[i] = density * of_volume[i] + of_layers[i];
+  }
+  result.center = (1.0 / moments[3]) * Vector3<double>{moments[0], moments[1], moments[2]};
+  return result;
 }
 
 std::vector<char> components_of_rigid_bodies(const Config& config, const NodeLayout& layout,

@@ -6,6 +6,7 @@
 #include "input/config.hpp"
 #include "mesh/mesh.hpp"
 #include "model/selections.hpp"
+#include "model/shells.hpp"
 
 #include <string>
 #include <vector>
@@ -25,17 +26,15 @@ std::vector<AddedVolume> added_volumes(const Config& config);
 /// The masses of `rigid_bodies`, by their numbers among the bodies of the completed input.
 std::vector<AffineBody> masses_of_rigid_bodies(const Config& config);
 
-/// The volume of a body's cells, which count as straight [m^3], and its centre [m].
-struct BodyVolume {
-  double volume = 0.0;
+/// What a rigid body weighs, 0 without a density [kg], and its centre of mass at the start, or that of its volume [m].
+struct RigidMass {
+  double mass = 0.0;
   Vector3<double> center{};
 };
-/// Collective.
-BodyVolume volume_of_body(const NodeLayout& layout, const std::vector<int>& body_of_cell, int body);
-
-/// The centre of mass of a rigid body of the completed input at the start, with a mesh or without. Collective.
-Vector3<double> center_of_rigid_body(const Config& config, const NodeLayout& layout,
-                                     const std::vector<int>& body_of_cell, int body);
+/// That of a rigid body of the completed input, with a mesh, whose cells count as straight, or without; with the layers
+/// on facets all of whose nodes are its own. Collective.
+RigidMass mass_of_rigid_body(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,
+                             const ModelShells& shells, int body);
 
 /// `config` of the following: completed by with_rigid_bodies.
 

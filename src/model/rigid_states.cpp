@@ -45,7 +45,8 @@ RigidStates::RigidStates(const Config& config, const Model& model)
       const auto nodes = layout.nodes_of_cell(c);
       for (const PetscInt n : nodes) is_of_body[static_cast<std::size_t>(n)] = 1;
     }
-    body.centre = center_of_rigid_body(completed, layout, model.body_of_cell(), static_cast<int>(b));
+    body.centre =
+        mass_of_rigid_body(completed, layout, model.body_of_cell(), model.shells(), static_cast<int>(b)).center;
     for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
       if (is_of_body[static_cast<std::size_t>(n)] != 0) body.nodes.push_back(n);
     }

@@ -127,8 +127,7 @@ const PhysicalGroup* Selections::group(const Selection& part) {
                                     : fmt::format("the mesh has: {}", joined(names));
   for (const auto& g : mesh_.groups) {
     if (g.dimension != d && title(g) == part.name) {
-      known = fmt::format("'{}' is a {} of the mesh; write `{}: {}`", part.name, noun(g.dimension), noun(g.dimension),
-                          part.name);
+      known = fmt::format("'{0}' is a {1} of the mesh (`{1}: {0}`)", part.name, noun(g.dimension));
     }
   }
   report(part.where, fmt::format("no {} '{}' in the mesh{}; {}", noun(d), part.name, hint, known));

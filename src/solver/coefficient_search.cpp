@@ -75,20 +75,20 @@ void CoefficientSearch::settle(Vec q, StageReport& report) {
 
 bool CoefficientSearch::step_to_solution(Vec q, StageReport& report) {
   for (int i = 0; i < max_steps; ++i) {
-    const double before = merit_.of_residual(r_.get());
-    if (!step(q, report)) return false;
+    const auto before = step(q, report);
+    if (!before) return false;
     if (is_settled(q)) return true;
-    if (merit_.of_residual(r_.get()) > least_progress * before) return false;
+    if (merit_.of_residual(r_.get()) > least_progress * *before) return false;
   }
   return false;
 }
 
-bool CoefficientSearch::step(Vec q, StageReport& report) {
+std::optional<double> CoefficientSearch::step(Vec q, StageReport& report) {
   LinearSystem& system = loop_.system();
   system.assemble(q);
   equation_.size_of_diagonal(system.sparse_matrix(), diagonal_.get());
   merit_.set_scale(diagonal_.get());
-  if (!system.prepare(q)) return false;
+  if (!system.prepare(q)) return std::nullopt;
   PetscInt iterations = 0;
   {
     const Stopwatch watch(statistics_.solve_seconds);
@@ -97,7 +97,7 @@ bool CoefficientSearch::step(Vec q, StageReport& report) {
   equation_.refreeze(q);
   statistics_.linear_iterations += iterations;
   report.linear_iterations += static_cast<int>(iterations);
-  if (iterations == 0) return false;
+  if (iterations == 0) return std::nullopt;
   check(VecScale(d_.get(), -1.0));
   const double start = merit_.of_residual(r_.get());
   double length = std::min(1.0, inversion_margin * equation_.max_step(q, d_.get()));
@@ -110,10 +110,10 @@ bool CoefficientSearch::step(Vec q, StageReport& report) {
     check(VecCopy(trial_residual_.get(), r_.get()));
     ++statistics_.newton_iterations;
     ++report.newton_iterations;
-    return true;
+    return start;
   }
   equation_.refreeze(q);
-  return false;
+  return std::nullopt;
 }
 
 }  // namespace pliant

@@ -9,6 +9,8 @@
 #include "solver/statistics.hpp"
 #include "time/stage.hpp"
 
+#include <optional>
+
 namespace pliant {
 
 /// Finds q that solves the stage with coefficients frozen at q (StageEquation::refreeze), from a solution for others.
@@ -33,8 +35,8 @@ class CoefficientSearch {
   /// Steps of Newton's method from q, at which coefficients are frozen, and r_ is the residual, before and after.
   /// Returns whether q is a solution.
   bool step_to_solution(Vec q, StageReport& report);
-  /// One of them; false, and q as before, if it does not lower the residual.
-  bool step(Vec q, StageReport& report);
+  /// One of them. Returns the merit of the residual before it [J]; nothing, and q as before, if it does not lower that.
+  std::optional<double> step(Vec q, StageReport& report);
 
   Objective& objective_;
   StageEquation& equation_;

@@ -19,7 +19,7 @@ namespace {
 /// The first shift below the eigenvalues, as a fraction of the mean of K_ii / M_ii, roughly the largest eigenvalue: far
 /// above rounding errors, below the first eigenvalue of all but very slender bodies. Each further one is a multiple.
 constexpr double first_shift = 1e-9, shift_factor = 10.0, largest_shift = 1e2;
-/// Rounding errors in eigenvalues, measured on bodies that nothing holds, as a fraction of the same.
+/// Rounding errors in eigenvalues, measured on bodies that nothing holds, as a fraction of sum K_ii x_i^2 / x . M x.
 constexpr double rounding_fraction = 1e-13;
 /// The least value of that mean: of bodies that nothing but rounding errors holds [1/s^2].
 constexpr double least_mean = 1e-3;
@@ -54,6 +54,14 @@ Scale scale_of(const EigenProblem& problem) {
   scale.mean = sum(comm_of(problem.K), total) / std::max(1.0, static_cast<double>(scale.with_mass));
   scale.mean = std::max(scale.mean, least_mean);
   return scale;
+}
+
+/// The size of rounding errors in x . K x, for x . M x = 1, from the diagonal of K.
+double rounding_of(Vec diagonal, Vec x) {
+  const ConstArrayView k(diagonal), shape(x);
+  double total = 0.0;
+  for (std::size_t i = 0; i < k.span().size(); ++i) total += std::abs(k.span()[i]) * std::pow(shape.span()[i], 2);
+  return rounding_fraction * sum(PetscObjectComm(reinterpret_cast<PetscObject>(x)), total);
 }
 
 /// The factors of K - sigma M.
@@ -163,11 +171,14 @@ Eigenpairs solve(const EigenProblem& problem, PetscInt number, double sigma, con
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return values[i]; });
+  Handle<Vec> diagonal;
+  check(MatCreateVecs(problem.K, diagonal.out(), nullptr));
+  check(MatGetDiagonal(problem.K, diagonal.get()));
   for (const std::size_t i : order) {
     found.values.push_back(values[i]);
+    found.roundings.push_back(rounding_of(diagonal.get(), vectors[i].get()));
     found.vectors.push_back(std::move(vectors[i]));
   }
-  found.rounding = rounding_fraction * scale.mean;
   return found;
 }
 

@@ -20,8 +20,8 @@ struct EigenProblem {
 struct Eigenpairs {
   std::vector<double> values;        ///< ascending [1/s^2]
   std::vector<Handle<Vec>> vectors;  ///< of each, x . M x = 1
-  /// The size of rounding errors in the eigenvalues: what is smaller may be zero [1/s^2].
-  double rounding = 0.0;
+  /// The size of rounding errors in each of them: what is smaller may be zero [1/s^2].
+  std::vector<double> roundings;
 };
 
 /// The smallest eigenvalues, negative ones first, fewer if M has a lower rank. By Krylov-Schur iteration on

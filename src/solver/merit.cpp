@@ -36,6 +36,10 @@ double dot(Vec a, Vec b) {
 }
 
 Merit::Merit(Handle<Vec> unknowns) : scale_(std::move(unknowns)) {
+  forget_scale();
+}
+
+void Merit::forget_scale() {
   check(VecSet(scale_.get(), 1.0));
 }
 

@@ -19,6 +19,8 @@ class Merit {
 
   /// Takes D from the diagonal of K; zero entries are replaced by the mean. Collective.
   void set_scale(Vec diagonal);
+  /// D = 1 again. Collective.
+  void forget_scale();
 
   /// 1/2 r . D^-1 r of a residual [N]; +inf if it is not finite. Collective.
   double of_residual(Vec r) const;

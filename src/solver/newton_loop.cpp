@@ -202,6 +202,7 @@ double NewtonLoop::stiffness(Vec q) {
 
 void NewtonLoop::forget() {
   objective_.equation().forget();
+  objective_.forget();
   forcing_.forget();
   system_.forget();
 }

@@ -54,6 +54,8 @@ class Objective {
   const Merit& merit() const { return merit_; }
   /// Discards the scale of the merit function, which no longer fits the problem: the next Hessian sets it.
   void forget_scale_of_merit() { merit_has_scale_ = false; }
+  /// Discards it for guesses as well, which are compared before there is a Hessian. Collective.
+  void forget() { merit_.forget_scale(); }
   /// Takes the scale from K unless there is one, or no merit is needed.
   void scale_merit(Mat K);
 

@@ -124,20 +124,21 @@ std::vector<Mode> modes_of(const Vibration& vibration, const NodeLayout& layout,
     vibration.expand(x.get(), shape.get());
     shapes.push_back(std::move(shape));
   }
-  const auto is_same = [&](double a, double b) {
-    return b - a <= std::max(same_eigenvalue * std::abs(b), 2.0 * pairs.rounding);
+  const auto is_next_same = [&](std::size_t i) {
+    const double a = pairs.values[i], b = pairs.values[i + 1];
+    return b - a <= std::max(same_eigenvalue * std::abs(b), pairs.roundings[i] + pairs.roundings[i + 1]);
   };
   std::vector<Mode> modes;
   for (std::size_t first = 0; first < shapes.size();) {
     std::size_t end = first + 1;
-    while (end < shapes.size() && is_same(pairs.values[end - 1], pairs.values[end])) ++end;
+    while (end < shapes.size() && is_next_same(end - 1)) ++end;
     EqualModes group{std::span(shapes).subspan(first, end - first), {}};
     for (const Handle<Vec>& shape : group.shapes) group.momenta.push_back(vibration.momenta(shape.get()));
     for (std::size_t done = 0, momentum = 0; done < group.shapes.size() && momentum < num_momenta; ++momentum) {
       if (group.gather(done, momentum)) ++done;
     }
     for (std::size_t i = first; i < end; ++i) {
-      Mode& mode = modes.emplace_back(mode_of(pairs.values[i], pairs.rounding));
+      Mode& mode = modes.emplace_back(mode_of(pairs.values[i], pairs.roundings[i]));
       for (std::size_t k = 0; k < 3; ++k) mode.effective_mass[k] = std::pow(group.momenta[i - first][k], 2);
       mode.shape = std::move(shapes[i]);
       update_ghosts(mode.shape.get());

@@ -222,6 +222,16 @@ time: {method: static}
         self.assert_close(found["frequency"][0], np.sqrt(2 * 9.81 * 0.5 / (0.02 + 2 * 0.25)) / (2 * np.pi), 1e-9)
         self.assertEqual(self.modes(file, "--unloaded", "--number", "3")["frequency"].tolist(), [0.0])  # which has no stiffness at all
 
+    def test_a_tendon_that_is_just_taut(self):
+        """Its spring counts about the undeformed state, where it has no tension yet."""
+        file = self.write("slider.yaml", """rigid_bodies: [{name: a, mass: 2, inertia: [1, 1, 1], center: [1, 0, 0]}]
+joints: [{name: s, type: slider, between: [ground, a], point: [1, 0, 0], axis: [1, 0, 0], spring: {stiffness: 30}}]
+tendons: [{name: t, points: [{body: ground, point: [0, 0, 0]}, {body: a, point: [1, 0, 0]}], pull: 0.1, stiffness: 50}]
+time: {method: static}
+""")
+        for options in ((), ("--unloaded",)):
+            self.assert_close(self.modes(file, "--number", "1", *options)["frequency"][0], np.sqrt(80 / 2) / (2 * np.pi), 1e-9)
+
     def test_a_piston_on_air(self):
         """A rigid block on a gas: (2 pi f)^2 = n p A^2 / (V m), the rank-one part of the stiffness alone."""
         write_box(self.directory / "block.msh", (1, 1, 1), (0.2, 0.1, 0.3))
@@ -242,6 +252,12 @@ cavities: [{{name: air, surface: bottom, volume: 0.05, gas: {{pressure: 0, ambie
         self.assert_close(found["frequency"], np.repeat([bending(x, 0.01 * np.sqrt(3)) for x in CANTILEVER], 2), 0.003)
         np.testing.assert_allclose(found["effective_mass_y"][:2], [0.6131, 0], atol=0.001)
         np.testing.assert_allclose(found["effective_mass_z"][:2], [0, 0.6131], atol=0.001)
+        # A bob on a wire that is light and stiff: 3 E I / L^3, slow beside the vibrations of the wire alone.
+        file = self.write("wire.yaml", "rods: [{name: wire, points: [[0, 0, 0], [0, 0, -1]], segments: 400, radius: 0.25 mm, density: 7800, "
+                          "youngs_modulus: 200 GPa, poissons_ratio: 0.3, start: ground, end: bob}]\n"
+                          "rigid_bodies: [{name: bob, mass: 1, inertia: [1e-6, 1e-6, 1e-6], center: [0, 0, -1]}]\n" + MOTION)
+        found = self.modes(file, "--number", "2")
+        self.assert_close(found["frequency"], np.sqrt(3 * 200e9 * np.pi / 4 * 0.25e-3**4) / (2 * np.pi), 0.01)
 
     def test_a_body_of_constant_volume(self):
         """With pressures as unknowns: a free bar at nu = 1/2 bends as one at nu = 0."""

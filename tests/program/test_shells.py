@@ -147,6 +147,21 @@ probes: [{{name: pole, point: [{R}, 0, 0]}}]
                 h = self.solve(falling, "method: bdf2, step: 10 ms, end: 0.05")
                 self.assertLess(np.abs(h["elastic_energy"]).max(), 1e-12 * h["kinetic_energy"].max())
 
+    def test_a_layer_on_a_rigid_body(self):
+        # Its mass moves the centre of mass: a force there turns nothing.
+        self.box((2, 1, 1), (0.2, 0.1, 0.1))
+        text = """mesh: {file: box.msh}
+bodies: [{volume: body, density: 1000, rigid: true}]
+shells: [{name: skin, surface: right, thickness: 10 mm, density: 2000, elasticity: {model: linear, youngs_modulus: 1 MPa, poissons_ratio: 0.3}}]
+loads: [{force: [0, 0, 10], volume: body}]
+"""
+        center = (2 * 0.1 + 0.2 * 0.2) / 2.2
+        for element in ("P1", "P2"):
+            h = self.solve(f"element: {element}\n" + text, "method: dirk33, step: 10 ms, end: 0.05")
+            np.testing.assert_allclose(h["body_x"], center, rtol=1e-9)
+            np.testing.assert_allclose(h["body_wy"], 0, atol=1e-9)
+            np.testing.assert_allclose(h["body_vz"], 10 / 2.2 * h["time"], rtol=1e-9)
+
     def test_orders(self):
         # Without a prestretch, which would start fast vibrations.
         self.box((2, 1, 1), (0.6, 0.2, 0.2))
@@ -213,6 +228,7 @@ probes: [{{name: middle, point: [{a / 2}, {a / 2}, 0]}}]
             "missing key 'elasticity'": text.replace(f"    elasticity: {model}\n", "", 1),
             "the prestretch of shell 'skin' is one number, or two": text.replace("prestretch: 1.05", "prestretch: [1, 1, 1]"),
             "missing key 'direction' of shell 'skin'": text.replace("prestretch: 1.05", "prestretch: [1.1, 1]"),
+            "'direction' must have a length": text.replace("prestretch: 1.05", "prestretch: [1.1, 1]\n    direction: [0, 0, 0]"),
             "is at right angles to a facet": text.replace("prestretch: 1.05", "prestretch: [1.1, 1]\n    direction: [1, 0, 0]"),
             "use a Poisson's ratio such as 0.4999": text.replace("poissons_ratio: 0.45", "poissons_ratio: 0.5"),
             "instead of 'incompressible' give": text.replace("poissons_ratio: 0.45", "incompressible: true"),
@@ -228,6 +244,7 @@ probes: [{{name: middle, point: [{a / 2}, {a / 2}, 0]}}]
                 done = self.call("run", "in.yaml", ranks=2 if "facet" in message else 1)
                 self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
                 self.assertIn(message, done.stderr)
+                self.assertEqual("missing key" in message, "missing key" in done.stderr, done.stderr)
                 self.assertRegex(done.stderr, r"in\.yaml:\d+:\d+: ")
         self.write("in.yaml", text.replace("damping: 1 ms", "bending: true"))
         self.assertRegex(self.pliant("check", "in.yaml").stdout, r"skin: 20 facets, 0\.56 m\^2, thickness 0\.005 m, neo-hookean .*mass .* stretched by 1\.05, bends")

@@ -87,8 +87,23 @@ TEST(Eigenpairs, AreZeroWhereNothingHolds) {
                                }),
                     M = diagonal(n, [](PetscInt) { return 1.0; });
   const Eigenpairs found = smallest_eigenpairs({K.get(), M.get()}, 2);
-  EXPECT_LE(std::abs(found.values[0]), found.rounding);
-  EXPECT_GT(found.values[1], 1e4 * found.rounding);
+  EXPECT_LE(std::abs(found.values[0]), found.roundings[0]);
+  EXPECT_GT(found.values[1], 1e4 * found.roundings[1]);
+}
+
+// What is light and stiff does not hide that something heavy moves slowly.
+TEST(Eigenpairs, AreNotZeroBesideFastOnes) {
+  constexpr PetscInt n = 20;
+  constexpr double stiff = 1e8, soft = 0.5;
+  const Handle<Mat> K = banded(n, 1,
+                               [=](PetscInt i, PetscInt j) {
+                                 if (i != j) return -stiff;
+                                 return i == 0 ? stiff + soft : i == n - 1 ? stiff : 2.0 * stiff;
+                               }),
+                    M = diagonal(n, [](PetscInt i) { return i == n - 1 ? 1.0 : 1e-10; });
+  const Eigenpairs found = smallest_eigenpairs({K.get(), M.get()}, 1);
+  EXPECT_NEAR(found.values[0], soft, 1e-5);
+  EXPECT_GT(found.values[0], 1e2 * found.roundings[0]);
 }
 
 // Two equal chains: every eigenvalue twice.

@@ -10,6 +10,8 @@ namespace {
 
 /// Pairs are sorted into so many kinds, so that not all points are looked at as neighbours of all others.
 constexpr std::size_t num_kinds = 32;
+/// Points coincide whose distance is a smaller part of their coordinates.
+constexpr double rounding = 1e-14;
 
 /// A node of a point, as it goes to all ranks.
 struct NodeOfAttached {
@@ -29,12 +31,6 @@ PetscInt local_node_of(const NodeLayout& layout, PetscInt global) {
 
 }  // namespace
 
-Vector3<double> PointLine::way(const NearPatches& near, std::span<const double> q) const {
-  Vector3<double> d = offset;
-  for (std::size_t a = 0; a < nodes.size(); ++a) d = d + weights[a] * near.position(nodes[a], q);
-  return d;
-}
-
 Vector3<double> PointLine::change(std::span<const double> q, std::span<const double> from) const {
   Vector3<double> d{};
   for (std::size_t a = 0; a < nodes.size(); ++a) {
@@ -45,9 +41,10 @@ Vector3<double> PointLine::change(std::span<const double> q, std::span<const dou
 }
 
 // |a| - |b| = (a - b) . (a + b) / (|a| + |b|)
-double PointLine::lengthening(const NearPatches& near, std::span<const double> q, std::span<const double> from) const {
-  const Vector3<double> now = way(near, q), moved = change(q, from), then = now - moved;
-  return dot(moved, now + then) / (norm(now) + norm(then));
+double PointLine::lengthening(std::span<const double> q, std::span<const double> from) const {
+  const Vector3<double> now = way(q), moved = change(q, from), then = now - moved;
+  const double sum = norm(now) + norm(then);
+  return sum > 0.0 ? dot(moved, now + then) / sum : 0.0;
 }
 
 void PointLine::add_force(const NearPatches& near, const Vector3<double>& f, std::span<double> r) const {
@@ -108,12 +105,26 @@ Patches patches_of_points(const NodeLayout& layout, NodesOfPoints& points,
   return patches;
 }
 
-void add_end(double sign, std::span<const PetscInt> nodes, std::span<const double> weights, PointLine& line) {
+void LineMaker::add_end(double sign, std::span<const PetscInt> nodes, std::span<const double> weights) {
   for (std::size_t a = 0; a < nodes.size(); ++a) {
     if (weights[a] == 0.0) continue;
-    line.nodes.push_back(nodes[a]);
-    line.weights.push_back(sign * weights[a]);
+    line_.nodes.push_back(nodes[a]);
+    line_.weights.push_back(sign * weights[a]);
+    const auto i = 3 * static_cast<std::size_t>(nodes[a]);
+    add_place(sign * weights[a], {near_.coordinates[i], near_.coordinates[i + 1], near_.coordinates[i + 2]});
   }
+}
+
+void LineMaker::add_place(double weight, const Vector3<double>& place) {
+  line_.at_rest = line_.at_rest + weight * place;
+  size_ += std::abs(weight) * norm(place);
+}
+
+PointLine LineMaker::take(std::size_t number, bool is_counted) && {
+  line_.number = number;
+  line_.is_counted = is_counted;
+  if (norm(line_.at_rest) <= rounding * size_) line_.at_rest = {};
+  return std::move(line_);
 }
 
 PointLines::PointLines(const NodeLayout& layout, std::span<const AttachedPoint> points)
@@ -127,24 +138,23 @@ std::vector<PointLine> PointLines::seen(const NearPatches& near) const {
   for (std::size_t p = 0; p < near.patches.size(); ++p) patch_of.emplace(near.patches.keys[p], p);
   std::vector<PointLine> result;
   for (std::size_t n = 0; 2 * n < fixed_.size(); ++n) {
-    PointLine pair;
-    pair.number = n;
-    bool is_seen = true, has_first = false;
+    LineMaker line(near);
+    bool is_seen = true, has_first = false, is_counted = false;
     for (std::size_t end = 0; end < 2 && is_seen; ++end) {
       const std::size_t point = 2 * n + end;
       const double sign = end == 0 ? -1.0 : 1.0;
       if (points_.nodes[point].empty()) {
-        pair.offset = pair.offset + sign * fixed_[point];
+        line.add_fixed(sign, fixed_[point]);
         continue;
       }
       const auto found = patch_of.find(static_cast<std::int64_t>(point));
       is_seen = found != patch_of.end();
       if (!is_seen) continue;
-      add_end(sign, near.patches.nodes_of(found->second), points_.weights[point], pair);
-      if (!has_first) pair.is_counted = near.patches.is_owned[found->second] != 0;
+      line.add_end(sign, near.patches.nodes_of(found->second), points_.weights[point]);
+      if (!has_first) is_counted = near.patches.is_owned[found->second] != 0;
       has_first = true;
     }
-    if (is_seen && has_first) result.push_back(std::move(pair));
+    if (is_seen && has_first) result.push_back(std::move(line).take(n, is_counted));
   }
   return result;
 }

@@ -20,20 +20,21 @@ struct AttachedPoint {
   std::optional<Vector3<double>> fixed;  ///< a place in space instead [m]
 };
 
-/// The line between two points: d = offset + sum_a w_a x_a leads from the first to the second.
+/// The line between two points: d = at_rest + sum_a w_a u_a leads from the first to the second, so that small
+/// displacements keep their digits.
 struct PointLine {
   std::size_t number = 0;       ///< of the pair
   std::vector<PetscInt> nodes;  ///< local ones, some of them perhaps twice
   std::vector<double> weights;  ///< of each
-  Vector3<double> offset{};     ///< of points in space [m]
+  Vector3<double> at_rest{};    ///< d in the reference configuration; 0 if that is rounding [m]
   bool is_counted = false;      ///< exactly one rank counts what is summed over pairs
 
   /// d at displacements q [m].
-  Vector3<double> way(const NearPatches& near, std::span<const double> q) const;
+  Vector3<double> way(std::span<const double> q) const { return at_rest + change(q, {}); }
   /// d(q) - d(from), with the digits of small changes [m]; an empty `from`: the reference configuration.
   Vector3<double> change(std::span<const double> q, std::span<const double> from) const;
   /// |d(q)| - |d(from)|, likewise.
-  double lengthening(const NearPatches& near, std::span<const double> q, std::span<const double> from) const;
+  double lengthening(std::span<const double> q, std::span<const double> from) const;
   /// r += w_a f in the rows of owned nodes.
   void add_force(const NearPatches& near, const Vector3<double>& f, std::span<double> r) const;
   /// K += w_a w_b block in the rows of owned nodes.
@@ -53,8 +54,23 @@ NodesOfPoints nodes_of_points(const NodeLayout& layout, std::span<const Attached
 Patches patches_of_points(const NodeLayout& layout, NodesOfPoints& points,
                           const std::function<int(std::size_t)>& tag_of);
 
-/// Adds an end of a line, a point with these nodes; `sign`: -1 of the first, 1 of the second.
-void add_end(double sign, std::span<const PetscInt> nodes, std::span<const double> weights, PointLine& line);
+/// A line from one point to another.
+class LineMaker {
+ public:
+  explicit LineMaker(const NearPatches& near) : near_(near) {}
+  /// An end in space; `sign`: -1 of the first, 1 of the second.
+  void add_fixed(double sign, const Vector3<double>& place) { add_place(sign, place); }
+  /// An end at a point with these nodes.
+  void add_end(double sign, std::span<const PetscInt> nodes, std::span<const double> weights);
+  PointLine take(std::size_t number, bool is_counted) &&;
+
+ private:
+  void add_place(double weight, const Vector3<double>& place);
+
+  const NearPatches& near_;
+  PointLine line_;
+  double size_ = 0.0;  // of the summands of at_rest [m]
+};
 
 /// Pairs of points as patches: the points 2 n and 2 n + 1 are those of the pair n.
 class PointLines {

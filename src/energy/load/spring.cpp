@@ -29,9 +29,19 @@ bool has_direction(const Extent& line) {
   return dot(line.n, line.n) > 0.0;
 }
 
+/// A rest length that differs from the length in the reference configuration by less than this part of it is that.
+constexpr double same_length = 1e-14;
+
+/// l - l0, with the digits of small displacements.
+double signed_extension(const LineSpring& spring, const PointLine& line, std::span<const double> q) {
+  const double at_rest = norm(line.at_rest), e = at_rest - spring.rest;
+  return (std::abs(e) <= same_length * at_rest ? 0.0 : e) + line.lengthening(q, {});
+}
+
 /// l - l0 where the spring pulls or pushes.
-double extension(const LineSpring& spring, double length) {
-  return spring.is_tension_only ? std::max(length - spring.rest, 0.0) : length - spring.rest;
+double extension(const LineSpring& spring, const PointLine& line, std::span<const double> q) {
+  const double e = signed_extension(spring, line, q);
+  return spring.is_tension_only ? std::max(e, 0.0) : e;
 }
 
 /// along n n^T + across (I - n n^T).
@@ -53,7 +63,7 @@ struct DamperState {
 };
 
 DamperState state_of_damper(const PointLine& pair, const LocalStage& stage, std::span<const double> q, double rest) {
-  DamperState state{extent_of(pair.way(*stage.near, q), rest), {}, 0.0};
+  DamperState state{extent_of(pair.way(q), rest), {}, 0.0};
   if (stage.q0.empty() || !(stage.dt > 0.0)) return state;
   state.velocity = (1.0 / stage.dt) * pair.change(q, stage.q0);
   state.rate = dot(state.line.n, state.velocity);
@@ -63,7 +73,7 @@ DamperState state_of_damper(const PointLine& pair, const LocalStage& stage, std:
 }  // namespace
 
 double LineSpring::elastic_force(double length) const {
-  return stiffness * extension(*this, length);
+  return stiffness * (is_tension_only ? std::max(length - rest, 0.0) : length - rest);
 }
 
 double LineSpring::force(const Vector3<double>& d, const Vector3<double>& rate) const {
@@ -89,19 +99,15 @@ TermDeclaration Springs::declaration() const {
   return declaration;
 }
 
-// k/2 (e^2 - e0^2) = k/2 (e - e0) (e + e0), e - e0 = |d| - |d0| = (d - d0) . (d + d0) / (|d| + |d0|): small changes
-// keep their digits.
+// k/2 (e^2 - e0^2) = k/2 (e - e0) (e + e0), e - e0 = |d| - |d0|: small changes keep their digits.
 double Springs::value(const LocalStage& stage, std::span<const double> q) const {
   double sum = 0.0;
   for (const PointLine& line : lines(*stage.near)) {
     if (!line.is_counted) continue;
     const LineSpring& spring = spring_of(line);
-    const Vector3<double> now = line.way(*stage.near, q), then = line.way(*stage.near, stage.reference());
-    const double l = norm(now), l0 = norm(then), e = extension(spring, l), e0 = extension(spring, l0);
-    double change = e - e0;
-    if (e == l - spring.rest && e0 == l0 - spring.rest && l + l0 > 0.0) {
-      change = dot(line.change(q, stage.reference()), now + then) / (l + l0);
-    }
+    const double e = extension(spring, line, q), e0 = extension(spring, line, stage.reference());
+    const bool always_acts = !spring.is_tension_only || (e > 0.0 && e0 > 0.0);
+    const double change = always_acts ? line.lengthening(q, stage.reference()) : e - e0;
     sum += 0.5 * spring.stiffness * change * (e + e0);
   }
   return sum;
@@ -110,8 +116,8 @@ double Springs::value(const LocalStage& stage, std::span<const double> q) const 
 void Springs::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
   for (const PointLine& pair : lines(*stage.near)) {
     const LineSpring& spring = spring_of(pair);
-    const Extent line = extent_of(pair.way(*stage.near, q), spring.rest);
-    pair.add_force(*stage.near, spring.elastic_force(line.length) * line.n, r);
+    const Extent line = extent_of(pair.way(q), spring.rest);
+    pair.add_force(*stage.near, spring.stiffness * extension(spring, pair, q) * line.n, r);
   }
 }
 
@@ -119,9 +125,10 @@ void Springs::add_hessian(const LocalStage& stage, std::span<const double> q, co
                           Projection projection) const {
   for (const PointLine& pair : lines(*stage.near)) {
     const LineSpring& spring = spring_of(pair);
-    const Extent line = extent_of(pair.way(*stage.near, q), spring.rest);
-    if (spring.is_tension_only && line.length < spring.rest) continue;
-    double across = has_direction(line) ? extension(spring, line.length) / line.length : 1.0;
+    const Extent line = extent_of(pair.way(q), spring.rest);
+    const double e = signed_extension(spring, pair, q);
+    if (spring.is_tension_only && e < 0.0) continue;
+    double across = has_direction(line) ? e / line.length : 1.0;
     if (projection != Projection::none) across = std::max(across, 0.0);
     pair.add_stiffness(*stage.near, block_of(line.n, spring.stiffness, spring.stiffness * across), K);
   }
@@ -131,7 +138,7 @@ double Springs::energy_at(const Instant& at, std::span<const double> q, std::spa
   double sum = 0.0;
   for (const PointLine& line : lines(*at.near)) {
     if (!line.is_counted) continue;
-    const double e = extension(spring_of(line), norm(line.way(*at.near, q)));
+    const double e = extension(spring_of(line), line, q);
     sum += 0.5 * spring_of(line).stiffness * e * e;
   }
   return sum;

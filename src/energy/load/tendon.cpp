@@ -17,9 +17,13 @@ double at_time(const Expression& formula, double time) {
   return formula(0.0, 0.0, 0.0, time);
 }
 
-/// By how much the spring is longer than without tension [m].
+/// By how much the spring is longer than without tension, or shorter if it is slack [m].
+double signed_stretch(const TendonSpring& spring, double lengthening, double time, double factor) {
+  return lengthening + factor * at_time(spring.pull, time);
+}
+
 double stretch(const TendonSpring& spring, double lengthening, double time, double factor) {
-  return std::max(0.0, lengthening + factor * at_time(spring.pull, time));
+  return std::max(0.0, signed_stretch(spring, lengthening, time, factor));
 }
 
 }  // namespace
@@ -55,7 +59,7 @@ double Tendon::value(const LocalStage& stage, std::span<const double> q) const {
   if (spring() != nullptr) return 0.0;  // all of it is in value_of_sum
   double sum = 0.0;
   for (const PointLine& segment : TendonPath::segments(*stage.near)) {
-    if (segment.is_counted) sum += segment.lengthening(*stage.near, q, stage.reference());
+    if (segment.is_counted) sum += segment.lengthening(q, stage.reference());
   }
   return tension(stage) * sum;
 }
@@ -64,7 +68,7 @@ void Tendon::add_gradient(const LocalStage& stage, std::span<const double> q, st
   const double T = tension(stage);
   if (T == 0.0) return;
   for (const PointLine& segment : TendonPath::segments(*stage.near)) {
-    segment.add_force(*stage.near, T * unit(segment.way(*stage.near, q)), r);
+    segment.add_force(*stage.near, T * unit(segment.way(q)), r);
   }
 }
 
@@ -73,7 +77,7 @@ void Tendon::add_hessian(const LocalStage& stage, std::span<const double> q, con
   const double T = tension(stage);
   if (T == 0.0 || (projection != Projection::none && T < 0.0)) return;
   for (const PointLine& segment : TendonPath::segments(*stage.near)) {
-    const Vector3<double> d = segment.way(*stage.near, q), n = unit(d);
+    const Vector3<double> d = segment.way(q), n = unit(d);
     std::array<double, 9> block{};
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t j = 0; j < 3; ++j) block[3 * i + j] = T / norm(d) * ((i == j ? 1.0 : 0.0) - n[i] * n[j]);
@@ -86,7 +90,7 @@ double Tendon::energy_at(const Instant& at, std::span<const double> q, std::span
   if (declaration().account != Account::load_potential) return 0.0;
   double length = 0.0;
   for (const PointLine& segment : TendonPath::segments(*at.near)) {
-    if (segment.is_counted) length += norm(segment.way(*at.near, q));
+    if (segment.is_counted) length += norm(segment.way(q));
   }
   return tension_at_pulled_end(drive_, 0.0, at.time, at.load_factor) * length;
 }
@@ -103,8 +107,8 @@ SumOverRanks Tendon::part(const LocalStage& stage, std::span<const double> q) co
   SumOverRanks mine;
   for (const PointLine& segment : TendonPath::segments(*stage.near)) {
     if (!segment.is_counted) continue;
-    mine.start += segment.lengthening(*stage.near, stage.q0, {});
-    mine.change += segment.lengthening(*stage.near, q, stage.q0);
+    mine.start += segment.lengthening(stage.q0, {});
+    mine.change += segment.lengthening(q, stage.q0);
   }
   return mine;
 }
@@ -122,12 +126,13 @@ double Tendon::energy_of_sum(const Instant& at, double S) const {
 }
 
 double Tendon::curvature(const LocalStage& stage) const {
-  return tension(stage) > 0.0 ? spring()->stiffness : 0.0;
+  // A tendon that is just taut resists being pulled.
+  return signed_stretch(*spring(), stage.sum.total(), stage.time, stage.load_factor) >= 0.0 ? spring()->stiffness : 0.0;
 }
 
 void Tendon::add_gradient_of_sum(const LocalStage& stage, std::span<const double> q, std::span<double> g) const {
   for (const PointLine& segment : TendonPath::segments(*stage.near)) {
-    segment.add_force(*stage.near, unit(segment.way(*stage.near, q)), g);
+    segment.add_force(*stage.near, unit(segment.way(q)), g);
   }
 }
 

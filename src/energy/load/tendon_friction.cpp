@@ -34,12 +34,12 @@ std::vector<TendonFriction::Turn> TendonFriction::turns(const LocalStage& stage,
   std::vector<double> frozen_velocities(segments.size());
   double beyond = 0.0, frozen_beyond = 0.0, lengthening = 0.0;
   for (std::size_t k = segments.size(); k-- > 0;) {
-    turns[k].n = unit(segments[k].way(*stage.near, frozen));
+    turns[k].n = unit(segments[k].way(frozen));
     beyond -= dot(turns[k].n, segments[k].change(q, stage.q0)) / stage.dt;
     frozen_beyond -= dot(turns[k].n, segments[k].change(frozen, stage.q0)) / stage.dt;
     turns[k].velocity = beyond;
     frozen_velocities[k] = frozen_beyond;
-    lengthening += segments[k].lengthening(*stage.near, frozen, {});
+    lengthening += segments[k].lengthening(frozen, {});
   }
   double T = std::max(0.0, tension_at_pulled_end(drive_, lengthening, stage.time, stage.load_factor));
   for (std::size_t k = 1; k < segments.size(); ++k) {

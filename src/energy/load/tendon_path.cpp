@@ -39,12 +39,13 @@ std::shared_ptr<const PairFeatures> TendonPath::features_of(const NearPatches& n
     const auto next = patch_of.find(key + 1);
     if (next == patch_of.end()) continue;
     const auto first = static_cast<std::size_t>(key);
-    PointLine& segment = features->all.emplace_back();
-    segment.number = first;
-    segment.offset = fixed_[first + 1] - fixed_[first];
-    segment.is_counted = near.patches.is_owned[patch] != 0;
-    add_end(-1.0, near.patches.nodes_of(patch), points_.weights[first], segment);
-    add_end(1.0, near.patches.nodes_of(next->second), points_.weights[first + 1], segment);
+    LineMaker segment(near);
+    for (const std::size_t end : {0, 1}) {
+      const double sign = end == 0 ? -1.0 : 1.0;
+      segment.add_fixed(sign, fixed_[first + end]);
+      segment.add_end(sign, near.patches.nodes_of(end == 0 ? patch : next->second), points_.weights[first + end]);
+    }
+    features->all.push_back(std::move(segment).take(first, near.patches.is_owned[patch] != 0));
   }
   return features;
 }

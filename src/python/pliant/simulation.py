@@ -162,7 +162,8 @@ class NamedSurface:
             core.apply_forces(self.name, values)
 
     def move(self, displacement: Any) -> None:
-        """Displacements of the nodes at the end of the next step, reached at constant velocity, and kept until they are replaced [m]. A
+        """Displacements of the nodes at the end of the next step, reached at constant velocity, and kept until they are replaced [m]. If
+        that step is shortened, the motion goes on until the time `time + next_dt` of now: `run(until=...)` takes the steps until then. A
         static problem multiplies them by its load factor. A constraint of the input must hold the surface in all directions: `displacement: [0, 0, 0]`."""
         values = self._checked(displacement, "displacement")
         with self._simulation._calls() as core:
@@ -294,7 +295,7 @@ class Simulation:
         Loads, the pressure of cavities, their amount of gas and added volume of liquid, prescribed displacements, motions and motors of
         joints, tension and pull of tendons, the motion of obstacles, active stress and shortening, expansion, `time.step` and
         `time.min_step` can change; InputError, a ValueError, for everything else. A number that prescribes a motion is reached at the end
-        of the next step, at constant velocity; where it replaces a formula of the position, and a formula, count as they are.
+        of the next step as it is planned (`move`), at constant velocity; where it replaces a formula of the position, and a formula, count as they are.
         Collective."""
         changes = changes_of(key if isinstance(key, Mapping) else {key: value})
         with self._calls() as core:
