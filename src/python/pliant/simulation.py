@@ -163,7 +163,7 @@ class NamedSurface:
 
     def move(self, displacement: Any) -> None:
         """Displacements of the nodes at the end of the next step, reached at constant velocity, and kept until they are replaced [m]. If
-        that step is shortened, the motion goes on until the time `time + next_dt` of now: `run(until=...)` takes the steps until then. A
+        that step is shortened, the motion continues until the time `time + next_dt` of now: `run(until=...)` takes the steps until then. A
         static problem multiplies them by its load factor. A constraint of the input must hold the surface in all directions: `displacement: [0, 0, 0]`."""
         values = self._checked(displacement, "displacement")
         with self._simulation._calls() as core:
