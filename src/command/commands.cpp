@@ -20,6 +20,7 @@
 #include "petsc/session.hpp"
 #include "run/advance.hpp"
 #include "run/run.hpp"
+#include "run/solver_setup.hpp"
 #include "solver/linear.hpp"
 #include "solver/petsc_method.hpp"
 #include "time/method.hpp"
@@ -116,7 +117,7 @@ void describe_contact(const Model& model, const Config& config, Lines& lines) {
   }
   update_ghosts(q.get());
   const ConstGhostedView at(q.get());
-  append(lines, contact_table(model.contacts()->summary(model.instant(0.0), at.span())));
+  append(lines, contact_table(model.contacts()->summary(model.instant_of_start(), at.span())));
 }
 
 /// What `pliant check` says of a model. Collective.

@@ -155,7 +155,7 @@ class Collector {
       double largest = 0.0, when = 0.0;
       for (int i = 0; i < num_instants; ++i) {
         const double time = config_.time.end * i / (num_instants - 1);
-        const double size = total(forces(load, model_.instant(time)));
+        const double size = total(forces(load, model_.instant(time, 1.0)));
         if (!(size > largest)) continue;
         largest = size;
         when = time;
@@ -164,7 +164,7 @@ class Collector {
         item.points = places(nodes);
         continue;
       }
-      set_arrows(item, nodes, forces(load, model_.instant(when)), acts_on_volumes);
+      set_arrows(item, nodes, forces(load, model_.instant(when, 1.0)), acts_on_volumes);
       if (when > 0.0) item.text += fmt::format("; arrows: at {:.4g} s, when it is largest", when);
     }
   }
@@ -220,7 +220,7 @@ class Collector {
 
   void add_contacts() {
     if (model_.contacts() == nullptr) return;
-    const ContactSummary summary = model_.contacts()->summary(model_.instant(0.0), q_);
+    const ContactSummary summary = model_.contacts()->summary(model_.instant_of_start(), q_);
     const auto add_rows = [this](const std::vector<ContactRow>& rows, bool are_obstacles) {
       for (const ContactRow& row : rows) {
         const std::string other = are_obstacles        ? "the obstacle " + row.name

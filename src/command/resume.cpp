@@ -31,10 +31,20 @@ struct Changeable {
   void (*take)(Config& to, const Config& from);
 };
 
-constexpr std::array<Changeable, 7> changeable{
+void take_path(Config& to, const Config& from) {
+  if (!to.time.path && from.time.path) {
+    throw InputError(
+        from.time.path->where,
+        "the run that is resumed follows no path, and cannot begin one; start a new run with `pliant run`");
+  }
+  to.time.path = from.time.path;
+}
+
+constexpr std::array<Changeable, 8> changeable{
     {{"time.end", [](Config& to, const Config& from) { to.time.end = from.time.end; }},
      {"time.step", [](Config& to, const Config& from) { to.time.step = from.time.step; }},
      {"time.min_step", [](Config& to, const Config& from) { to.time.min_step = from.time.min_step; }},
+     {"time.path", take_path},
      {"solver", [](Config& to, const Config& from) { to.solver = from.solver; }},
      {"output", [](Config& to, const Config& from) { to.output = from.output; }},
      {"checkpoint", [](Config& to, const Config& from) { to.checkpoint = from.checkpoint; }},

@@ -275,6 +275,7 @@ void check_linear_solver(const Config& config, const InputNode& root, Diagnostic
 
 void check_combinations(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   check_time(config.time, root, diagnostics);
+  check_path(config, diagnostics);
   check_parts(config, root, diagnostics);
   check_bodies(config, root, diagnostics);
   check_rigid_bodies(config, diagnostics);

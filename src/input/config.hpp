@@ -334,6 +334,27 @@ struct AdaptiveConfig {
   Location where;
 };
 
+/// A number of the history at which a path ends.
+struct PathStopConfig {
+  std::string column;           ///< of history.csv
+  std::optional<double> above;  ///< the path ends at or above this value [SI]
+  std::optional<double> below;  ///< or at or below this one [SI]
+  Location where;
+};
+
+/// The path of equilibria of a static problem, beyond limit points of the load.
+struct PathConfig {
+  enum class By { arc_length };
+
+  By by = By::arc_length;
+  double max_load = 0;             ///< load factor at which it ends
+  std::optional<double> min_load;  ///< likewise; empty: none
+  std::optional<double> max_step;  ///< of its length; default 10 first steps
+  int max_steps = 0;
+  std::vector<PathStopConfig> stop;
+  Location where;
+};
+
 /// What advances time.
 struct MethodConfig {
   struct Unknown {};  ///< the input is wrong
@@ -351,6 +372,7 @@ struct TimeConfig {
   double step = 0;                 ///< [s]; adaptive: the first one tried, default end / 1000; static: unused
   double end = 0;                  ///< [s]; static: the time at which expressions are evaluated (default 0)
   int load_steps = 1;              ///< static: loads are applied in this many equal parts
+  std::optional<PathConfig> path;  ///< static: followed instead; its first step is one of these parts
   std::optional<Startup> startup;  ///< default: dirk33 where steps adapt and the method has several past states
   double min_step = 0;             ///< smallest step that is tried [s]; default step / 1024
   std::optional<AdaptiveConfig> adaptive;

@@ -12,6 +12,7 @@ constexpr double min_step_divisor = 1024;              // ten halvings
 constexpr double min_adaptive_step_divisor = 1 << 20;  // what is fast at the start may last a millionth of the step
 constexpr double first_step_divisor = 1000;            // parts of an adaptive run
 constexpr double max_step_divisor = 10;
+constexpr int load_steps_of_path = 20;  // its first step must be near the straight line along the tangent
 
 /// The first step is the user's, or else one between the bounds that the user gives.
 void complete_adaptive(TimeConfig& time, const InputNode& section) {
@@ -27,6 +28,9 @@ void complete_adaptive(TimeConfig& time, const InputNode& section) {
 }
 
 void complete_time(TimeConfig& time, const InputNode& root) {
+  if (const InputNode* section = given(root, {"time"}); time.path && given(*section, {"load_steps"}) == nullptr) {
+    time.load_steps = load_steps_of_path;
+  }
   if (const InputNode* section = given(root, {"time"}); time.adaptive && section != nullptr) {
     complete_adaptive(time, *section);
   }

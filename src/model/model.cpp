@@ -62,7 +62,7 @@ void Model::build(const Mesh& mesh, const TermFactory& additional) {
          "nothing moves the bodies: no load, no prescribed motion, no initial velocity; the result is 0");
   }
   make_equation(config);
-  if (contacts_) include(contacts_->warnings_about_start(instant(0.0), config.initial.displacement));
+  if (contacts_) include(contacts_->warnings_about_start(instant_of_start(), config.initial.displacement));
   check_overlap(config);
   include(notes_of_idle_keys(config));
   include(events_of(config).diagnostics);
@@ -417,25 +417,25 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
   if (is_incompressible_) {
     require_undeformed(config, q);
   } else if (mixed_equation_) {
-    mixed_equation_->settle(q, instant(0.0));
+    mixed_equation_->settle(q, instant_of_start());
   }
   update_ghosts(q);
   const ConstGhostedView at(q);
   double energy = 0.0;
-  for (const auto& term : elastic_) energy += term->energy_at(instant(0.0), at.span(), {});
+  for (const auto& term : elastic_) energy += term->energy_at(instant_of_start(), at.span(), {});
   if (!std::isfinite(sum(layout_.comm, energy))) {
     throw InputError({config.file, 0, 0},
                      "the initial displacement, or a prescribed one at t = 0, inverts tetrahedra; start from "
                      "a smaller one");
   }
-  if (contacts_) contacts_->check_start(instant(0.0), at.span());
+  if (contacts_) contacts_->check_start(instant_of_start(), at.span());
 }
 
 void Model::check_contact_at_start(Vec q) const {
   if (!contacts_) return;
   update_ghosts(q);
   const ConstGhostedView at(q);
-  contacts_->check_start(instant(0.0), at.span());
+  contacts_->check_start(instant_of_start(), at.span());
 }
 
 }  // namespace pliant

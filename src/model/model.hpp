@@ -97,10 +97,13 @@ class Model {
   /// The terms of viscosity for the method of `config`, which has the bodies of the model. Not collective.
   std::vector<std::unique_ptr<EnergyTerm>> viscous_terms(const Config& config) const;
 
-  /// What terms know about a time of the run (for a static problem: the load factor).
-  Instant instant(double time) const {
-    return analysis_of(config_) == Analysis::static_equilibrium ? Instant{config_.time.end, time} : Instant{time, 1.0};
+  /// What terms know about a time of the run; the load factor is that of a static problem, which has one time only.
+  Instant instant(double time, double load_factor) const {
+    return analysis_of(config_) == Analysis::static_equilibrium ? Instant{config_.time.end, load_factor}
+                                                                : Instant{time, 1.0};
   }
+  /// The same at the start.
+  Instant instant_of_start() const { return instant(0.0, 0.0); }
 
   /// The hooks of the time layer; they refer to this object. Collective.
   PrescribedMotion motion(Correction correction = Correction::nearest) const;

@@ -1,6 +1,8 @@
 #include "run/advance.hpp"
 
 #include "petsc/check.hpp"
+#include "run/arc_advance.hpp"
+#include "run/solver_setup.hpp"
 #include "solver/petsc_integrator.hpp"
 
 #include <algorithm>
@@ -11,29 +13,6 @@
 
 namespace pliant {
 namespace {
-
-/// Newton's tolerance relative to adaptive.relative: its residual must not be mistaken for an error of the steps.
-constexpr double part_left_by_newton = 1e-4;
-
-NewtonOptions newton_options(const Config& config) {
-  const auto& newton = config.solver.newton;
-  const auto& adaptive = config.time.adaptive;
-  const double relative =
-      adaptive ? std::min(newton.relative, part_left_by_newton * adaptive->relative) : newton.relative;
-  const auto slenderness = config.rods.empty() ? Slenderness::none : Slenderness::some;
-  return {relative, newton.absolute, newton.max_iterations, slenderness};
-}
-
-/// PETSc reads its options here, the same on every rank, so that all fail together.
-template <class Make>
-auto with_user_options(const Make& make) {
-  try {
-    return make();
-  } catch (const PetscFailure& failure) {
-    if (failure.code() == PETSC_ERR_MEM) throw;
-    throw InputError({"PETSc options", 0, 0}, failure.what());
-  }
-}
 
 /// Advances with Pliant's own Newton's method.
 std::unique_ptr<NewtonSolver> make_newton(const Config& config, Model& model) {
@@ -69,17 +48,12 @@ class StageSolver {
   SolverStatistics none_;
 };
 
-std::string description_of(const Config& config, Model& model) {
-  return fmt::format("solver: {}{}", describe(model.equation(), linear_kind(config, model)),
-                     model.constraints().map() != nullptr ? ", in the unknowns that constraints leave free" : "");
-}
-
 /// Advances in time by a method of the table, or by the user's own.
 class TimeAdvance final : public Advance {
  public:
   TimeAdvance(const Config& config, Model& model, Ledger& ledger, const StateView& initial, Stages stages)
       : solver_(config, model, stages),
-        description_(description_of(config, model)),
+        description_(description_of_solver(config, model)),
         ledger_(ledger),
         motion_(model.motion()),
         integrator_(options_of(config), system_of(model, ledger, solver_), initial) {
@@ -184,7 +158,7 @@ class LoadAdvance final : public Advance {
  public:
   LoadAdvance(const Config& config, Model& model, const StateView& initial, Stages stages)
       : solver_(config, model, stages),
-        description_(description_of(config, model)),
+        description_(description_of_solver(config, model)),
         motion_(model.constraints().motion()),
         internal_(model.potential().internal_variables()),
         time_(config.time.end) {
@@ -202,7 +176,7 @@ class LoadAdvance final : public Advance {
     start_at(q_.get());
     const StageReport report = solver_(stage_, q_.get());
     StepAttempt result = report.outcome == StageOutcome::converged ? end_step() : StepAttempt{};
-    result.time = step.time;
+    result.time = result.load_factor = step.time;
     result.report = report;
     return result;
   }
@@ -227,7 +201,7 @@ class LoadAdvance final : public Advance {
   void end_stage() override {}
   StepAttempt end_step() override {
     StepAttempt result;
-    result.time = stage_.load_factor;
+    result.time = result.load_factor = stage_.load_factor;
     result.last_stage = stage_;
     result.q = result.last_q = q_.get();
     result.v = result.last_a = zero_.get();
@@ -245,7 +219,9 @@ class LoadAdvance final : public Advance {
     check(VecCopy(attempt.q, state_.get()));
     if (state_z_) check(VecCopy(attempt.z, state_z_.get()));
   }
-  StateView state() const override { return {load_factor_, state_.get(), zero_.get(), state_z_.get()}; }
+  StateView state() const override {
+    return {load_factor_, state_.get(), zero_.get(), state_z_.get(), {}, load_factor_};
+  }
   void keep(Archive& archive) override {
     archive.number("load_factor", load_factor_);
     archive.vector("q", Entries::nodes, state_.get());
@@ -290,30 +266,6 @@ class LoadAdvance final : public Advance {
 
 }  // namespace
 
-/// Whether multigrid may take the place of a factorization. In statics and near barriers, the factorization shows
-/// whether a Hessian is definite.
-bool may_adapt_linear_solver(const Config& config, Model& model) {
-  const StageEquation& equation = model.equation();
-  return analysis_of(config) == Analysis::dynamic && find_petsc_method(method_name(config.time.method)) == nullptr &&
-         equation.symmetry() != Symmetry::indefinite && !equation.has_walls() && equation.num_rank_one() == 0;
-}
-
-LinearKind linear_kind(const Config& config, Model& model) {
-  switch (config.solver.linear) {
-    case LinearSolver::cholesky:
-      return LinearKind::cholesky;
-    case LinearSolver::amg:
-      return LinearKind::amg;
-    case LinearSolver::p_multigrid:
-      return LinearKind::p_multigrid;
-    case LinearSolver::automatic:
-      break;
-  }
-  if (config.volumetric == VolumetricTreatment::mixed) return LinearKind::cholesky;  // the matrix is indefinite
-  const NodeLayout& layout = model.layout();
-  return automatic_linear_kind(3 * layout.num_global_nodes, layout.order, may_adapt_linear_solver(config, model));
-}
-
 void Advance::begin(const Step& /*step*/) {
   throw std::logic_error("this integrator takes no steps stage by stage");
 }
@@ -331,6 +283,7 @@ StepAttempt Advance::end_step() {
 std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger& ledger, const StateView& initial,
                                       Stages stages) {
   if (analysis_of(config) == Analysis::static_equilibrium) {
+    if (config.time.path) return std::make_unique<ArcAdvance>(config, model, initial);
     return std::make_unique<LoadAdvance>(config, model, initial, stages);
   }
   if (const PetscMethod* method = find_petsc_method(method_name(config.time.method))) {

@@ -3,6 +3,7 @@
 
 #include "input/config.hpp"
 #include "model/model.hpp"
+#include "run/critical_point.hpp"
 #include "run/ledger.hpp"
 #include "solver/newton.hpp"
 #include "time/integrator.hpp"
@@ -35,6 +36,14 @@ enum class Stages {
   solved_elsewhere  ///< and given to it, one by one: it has no solver
 };
 
+/// What a step along a path has met (`time.path`).
+struct PathFinding {
+  std::optional<PetscInt> unstable_modes;  ///< negative eigenvalues of the tangent stiffness, if they are known
+  std::optional<CriticalPoint> critical;   ///< that the step has passed
+  double growth = 1.0;                     ///< the next step should be this much longer
+  bool is_at_end = false;                  ///< the load factor is at its maximum, or minimum
+};
+
 /// A step's outcome is only a proposal until it is accepted. All methods are collective.
 class Advance {
  public:
@@ -64,6 +73,9 @@ class Advance {
   /// Calls the follower's `end_stage` after each stage.
   virtual void follow(StageFollower& /*follower*/) {}
 
+  /// What the last converged attempt along a path has met, or its start; nullptr if there is no path.
+  virtual const PathFinding* path() const { return nullptr; }
+
   /// The formulas of the last step that was tried; nullptr for load steps and PETSc's integrators.
   virtual const Stepper* stepper() const { return nullptr; }
 
@@ -85,9 +97,6 @@ class Advance {
   /// A description of the method for the log, line by line.
   virtual std::vector<std::string> description() const = 0;
 };
-
-/// The linear solver that the input asks for, or the automatic choice.
-LinearKind linear_kind(const Config& config, Model& model);
 
 /// Makes the Advance for the input's method, from the initial state. `config`, `model` and `ledger` outlive the result.
 std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger& ledger, const StateView& initial,

@@ -122,7 +122,7 @@ const MeshError& DiscretizationError::at(const StepRecord& record) {
   check(VecCopy(record.q, q_.get()));
   update_ghosts(q_.get());
   const ConstGhostedView u(q_.get());
-  const Instant now = model_.instant(record.time);
+  const Instant now = record.instant(model_);
   recover(now, u.span());
   error_.energy = sum(layout.comm, error_.energy);
   error_.elastic = sum(layout.comm, energy_of(model_, now, u.span()));

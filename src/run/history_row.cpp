@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -22,6 +23,8 @@ HistoryRow::HistoryRow(const Config& config, Model& model, const Ledger& ledger)
       field_columns_(config, model, fields_),
       rigid_states_(config, model),
       static_time_(analysis_of(config) == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt),
+      follows_path_(config.time.path.has_value()),
+      counts_unstable_modes_(follows_path_ && is_symmetric(model.equation().symmetry())),
       columns_(names_of_columns(config, ledger)),
       q_(make_vector(model.layout())),
       v_(make_vector(model.layout())) {}
@@ -83,6 +86,8 @@ std::vector<std::string> HistoryRow::names_of_columns(const Config& config, cons
     names.push_back(column.name);
   }
   if (fields_.has_mesh_error()) names.emplace_back("discretization_error");
+  if (follows_path_) names.emplace_back("load_factor");
+  if (counts_unstable_modes_) names.emplace_back("unstable_modes");
   return names;
 }
 
@@ -131,8 +136,7 @@ std::vector<double> HistoryRow::values(const StepRecord& record, const Ledger& l
     add_contacts(Kind::bodies, &ContactForce::impulse);
     row.insert(row.end(), {record.contact.gap, record.contact.num_points});
   }
-  for (const double number :
-       rigid_states_.values(model_.instant(record.time), record.q, record.v, ledger.joint_reactions()))
+  for (const double number : rigid_states_.values(record.instant(model_), record.q, record.v, ledger.joint_reactions()))
     row.push_back(number);
   for (const double number : tendon_states(record)) row.push_back(number);
   for (const double number : spring_states(record)) row.push_back(number);
@@ -140,6 +144,11 @@ std::vector<double> HistoryRow::values(const StepRecord& record, const Ledger& l
   row.insert(row.end(), displacements.begin(), displacements.end());
   for (const double number : field_columns_.values(record)) row.push_back(number);
   if (fields_.has_mesh_error()) row.push_back(fields_.mesh_error(record).share);
+  if (follows_path_) row.push_back(record.load_factor);
+  if (counts_unstable_modes_) {
+    row.push_back(record.unstable_modes ? static_cast<double>(*record.unstable_modes)
+                                        : std::numeric_limits<double>::quiet_NaN());
+  }
   return row;
 }
 
@@ -170,7 +179,7 @@ std::vector<double> HistoryRow::cavity_states(const StepRecord& record) {
   const ConstGhostedView u(q_.get());
   for (const auto& cavity : model_.cavities()) {
     const double swept = sum(model_.layout().comm, cavity.term->swept(u.span()));
-    const LoadState at = static_time_ ? LoadState{*static_time_, record.time} : LoadState{record.time, 1.0};
+    const LoadState at = static_time_ ? LoadState{*static_time_, record.load_factor} : LoadState{record.time, 1.0};
     values.insert(values.end(), {cavity.term->pressure(swept, at), cavity.volume - swept});
   }
   return values;
@@ -182,7 +191,7 @@ std::vector<double> HistoryRow::tendon_states(const StepRecord& record) {
   check(VecCopy(record.q, q_.get()));
   update_ghosts(q_.get());
   const ConstGhostedView u(q_.get());
-  const Instant at = model_.instant(record.time);
+  const Instant at = record.instant(model_);
   for (const ModelTendon& tendon : model_.tendons()) {
     const double longer = lengthening_of(tendon, model_.layout(), u.span());
     values.insert(values.end(),
@@ -220,7 +229,7 @@ double HistoryRow::contact_energy(const StepRecord& record) {
   check(VecCopy(record.q, q_.get()));
   update_ghosts(q_.get());
   const ConstGhostedView u(q_.get());
-  return sum(model_.layout().comm, model_.contacts()->energy(model_.instant(record.time), u.span()));
+  return sum(model_.layout().comm, model_.contacts()->energy(record.instant(model_), u.span()));
 }
 
 }  // namespace pliant

@@ -42,6 +42,8 @@ class HistoryRow {
   FieldColumns field_columns_;
   RigidStates rigid_states_;
   std::optional<double> static_time_;  // at which formulas are evaluated while the load factor grows [s]
+  bool follows_path_;
+  bool counts_unstable_modes_;  // of a path; the pivots of an unsymmetric matrix have no meaning
   std::vector<std::string> columns_;
   Handle<Vec> q_, v_;
 };

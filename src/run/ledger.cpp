@@ -46,6 +46,7 @@ Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
   measure(initial);
   initial_ = energies_;
   time_ = initial.time;
+  load_factor_ = initial.load_factor;
   check(VecCopy(initial.q, q_.get()));
   if (analysis == Analysis::dynamic) return;
   for (auto& f : forces_) f = make_vector(model.layout());
@@ -120,6 +121,7 @@ void Ledger::book(const StepAttempt& attempt) {
   joint_reactions_ = model_.constraints().joint_reactions(reaction_.get(), attempt.last_q);
   measure(attempt.view());
   time_ = attempt.time;
+  load_factor_ = attempt.load_factor;
   check(VecCopy(attempt.q, q_.get()));
   balance();
 }
@@ -178,6 +180,7 @@ void Ledger::keep(Archive& archive, const StateView& newest) {
   if (!archive.restores()) return;
   measure(newest);
   time_ = newest.time;
+  load_factor_ = newest.load_factor;
   check(VecCopy(newest.q, q_.get()));
   balance();
 }
@@ -233,10 +236,12 @@ void Ledger::add_works_along_displacement(const StepAttempt& attempt) {
   keep_forces(attempt.last_stage, attempt.last_q);
   const Works after = works_along(direction_.get());
   for (std::size_t w = 0; w < num_works; ++w) works_[w] += 0.5 * (before[w] + after[w]);
-  const Instant start = model_.instant(time_), end = model_.instant(attempt.time);
+  const Instant start = model_.instant(time_, load_factor_), end = model_.instant(attempt.time, attempt.load_factor);
   EnergyAccounts accounts = model_.potential().accounts();
   const double supplied = 0.5 * (accounts.supplied(start, end, q_.get()) + accounts.supplied(start, end, attempt.q));
-  const auto integral = [&](std::size_t w) { return 0.5 * (attempt.time - time_) * (last_powers_[w] + power[w]); };
+  const double passed =
+      analysis_ == Analysis::static_equilibrium ? attempt.load_factor - load_factor_ : attempt.time - time_;
+  const auto integral = [&](std::size_t w) { return 0.5 * passed * (last_powers_[w] + power[w]); };
   works_[stored] += supplied + integral(loads);
   works_[loads] += supplied + integral(loads);
   for (std::size_t m = num_works; m < first_impulse(); ++m) {
@@ -287,7 +292,8 @@ double Ledger::work_of_supports(Vec displacement) const {
 void Ledger::measure(const StateView& state) {
   const IncrementalPotential& sum = model_.potential();
   energies_.elastic = energies_.load_potential = 0.0;
-  const auto energies = model_.potential().accounts().energies(model_.instant(state.time), state.q, state.z);
+  const auto energies =
+      model_.potential().accounts().energies(model_.instant(state.time, state.load_factor), state.q, state.z);
   for (std::size_t k = 0; k < energies.size(); ++k) {
     const Account account = account_of(*sum.terms()[k]);
     if (account == Account::stored) energies_.elastic += energies[k];

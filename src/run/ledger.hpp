@@ -121,9 +121,10 @@ class Ledger {
   Works works_;        // since the start
   Works last_powers_;  // at the last step, for trapezoids
   bool powers_are_known_ = false;
-  double released_ = 0.0;   // without inertia: by forces unbalanced at the start [J]
-  double time_ = 0.0;       // of the last step, or its load factor
-  std::vector<char> held_;  // owned entries on which constraints do work
+  double released_ = 0.0;     // without inertia: by forces unbalanced at the start [J]
+  double time_ = 0.0;         // of the last step
+  double load_factor_ = 1.0;  // likewise
+  std::vector<char> held_;    // owned entries on which constraints do work
   std::vector<Reaction> reactions_;
   std::vector<JointReaction> joint_reactions_;
   std::vector<ContactForce> contacts_;

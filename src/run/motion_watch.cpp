@@ -171,7 +171,10 @@ std::string MotionWatch::instability(const Body& body, const Extreme& extreme, d
       to_string(body.where), instant(extreme.time), body.name, extreme.stretch, x, y, z, body.law, limit);
 }
 
-void MotionWatch::look_at_stretches(double time, std::span<const double> u, std::vector<std::string>& news) {
+void MotionWatch::look_at_stretches(const StepRecord& record, std::span<const double> u,
+                                    std::vector<std::string>& news) {
+  const Instant at = record.instant(model_);
+  const double time = progress(record);
   const NodeLayout& layout = model_.layout();
   std::vector<Found> least(bodies_.size()), most(bodies_.size()), unstable(bodies_.size());
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
@@ -180,7 +183,6 @@ void MotionWatch::look_at_stretches(double time, std::span<const double> u, std:
     auto l = principal_stretches(H).l;  // in descending order
     if (const auto& expansion = bodies_[body].expansion) {
       const auto [x, y, z] = middle(layout, c);
-      const Instant at = model_.instant(time);
       const double s = 1.0 + at.load_factor * ((*expansion)(x, y, z, at.time) - 1.0);
       for (double& stretch : l) stretch /= s;
     }
@@ -220,7 +222,7 @@ std::vector<std::string> MotionWatch::look(const StepRecord& record) {
   check(VecCopy(record.q, q_.get()));
   update_ghosts(q_.get());
   const ConstGhostedView u(q_.get());
-  look_at_stretches(record.time, u.span(), news);
+  look_at_stretches(record, u.span(), news);
   return news;
 }
 
@@ -239,7 +241,7 @@ std::optional<std::string> MotionWatch::look_for_passage(const StepRecord& recor
   return fmt::format(
       "{}: at {} {} pass through one another, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g}): no contact "
       "between them is enabled; 'contact: {{law: barrier, pairs: all}}' keeps bodies apart",
-      to_string(mesh_), instant(record.time), names_of(overlap->of, overlap->in), overlap->depth, x, y, z);
+      to_string(mesh_), instant(progress(record)), names_of(overlap->of, overlap->in), overlap->depth, x, y, z);
 }
 
 std::vector<std::string> MotionWatch::look_at_joints(const StepRecord& record) {
@@ -253,7 +255,7 @@ std::vector<std::string> MotionWatch::look_at_joints(const StepRecord& record) {
     news.push_back(
         fmt::format("{}: at {} joint '{}' is beyond its limits by {:.2g} of the range between them: shorten "
                     "the step, or give a larger 'limit_stiffness'",
-                    to_string(joints_[j].where), instant(record.time), joints_[j].name, beyond));
+                    to_string(joints_[j].where), instant(progress(record)), joints_[j].name, beyond));
   }
   return news;
 }

@@ -61,9 +61,11 @@ class MotionWatch {
   static Body watched(const ElasticityConfig& elasticity, const std::string& name);
   /// "t = 0.1 s"
   std::string instant(double time) const;
+  /// The time, or the load factor of a static problem.
+  double progress(const StepRecord& record) const { return is_static_ ? record.load_factor : record.time; }
   std::string in_words(const Body& body, const Extreme& extreme) const;
   std::string instability(const Body& body, const Extreme& extreme, double limit) const;
-  void look_at_stretches(double time, std::span<const double> u, std::vector<std::string>& news);
+  void look_at_stretches(const StepRecord& record, std::span<const double> u, std::vector<std::string>& news);
   /// "'a' and 'b'", or "two parts of 'a'".
   std::string names_of(int component, int other) const;
 

@@ -96,7 +96,7 @@ void Recorder::write_frame(const StepRecord& record) {
     fields.push_back({std::string(field.info.name), field.unit, field.location, num_components(field.info.shape),
                       std::span(field.values).first(field.width() * static_cast<std::size_t>(rows))});
   }
-  const Instant at = model_.instant(record.time);
+  const Instant at = record.instant(model_);
   if (obstacles_) obstacles_->write_frame(record.time, record.step, drawing_->points(at));
   if (mechanisms_) {
     mechanisms_->write_frame(record.time, record.step, mechanism_drawing_.state(at, record.q, record.v));

@@ -170,7 +170,7 @@ const std::vector<CellState>& ResultFields::cells(const StepRecord& record) {
   if (step_of_cells_ == record.step) return cells_;
   step_of_cells_ = record.step;
   cells_.assign(static_cast<std::size_t>(model_.layout().num_local_cells), {});
-  model_.potential().accounts().visit_stresses(model_.instant(record.time), record.q, record.v, record.z,
+  model_.potential().accounts().visit_stresses(record.instant(model_), record.q, record.v, record.z,
                                                [&](StressPart part, PetscInt cell, const CellStress& stress) {
                                                  CellState& state = cells_[static_cast<std::size_t>(cell)];
                                                  const auto p = static_cast<std::size_t>(part);
@@ -239,7 +239,7 @@ void ResultFields::add_contact_fields(const StepRecord& record, std::span<const 
     if (std::ranges::find(names, of.name) == names.end()) continue;
     if (!nodes) {
       const ConstArrayView u(record.q), velocity(record.v);
-      nodes = model_.contacts()->at_nodes(model_.instant(record.time), time_scale_, u.span(), velocity.span());
+      nodes = model_.contacts()->at_nodes(record.instant(model_), time_scale_, u.span(), velocity.span());
     }
     FieldValues field{info_of_field(of.name), of.unit, FieldLocation::node, {}};
     field.values.resize(field.width() * nodes->size());

@@ -68,10 +68,10 @@ class Run {
       earlier = {record().step, last_frame_};
       last_row_ = record().step;
       if (simulation_->finished()) {
-        console_.warn(
-            fmt::format("nothing is left to do: the checkpoint is at {} = {:.6g}{}; to extend the run, give a later "
-                        "end: --set time.end=...",
-                        variable(), record().time, is_static() ? "" : " s"));
+        console_.warn(fmt::format(
+            "nothing is left to do: the checkpoint is at {} = {:.6g}{}; to extend the run, give a "
+            "later end: --set {}=...",
+            variable(), progress(), is_static() ? "" : " s", config.time.path ? "time.path.max_load" : "time.end"));
       }
     }
     try {
@@ -118,6 +118,7 @@ class Run {
       recorder_->record(record(), simulation_->ledger());
       look_at_mesh_error();
       last_row_ = record().step;
+      report_critical_point();
       if (simulation_->analysis() == Analysis::dynamic)
         energy_watch_->look(simulation_->ledger().energies(), record().time);
       if (multigrid_is_news()) {
@@ -125,7 +126,7 @@ class Run {
             "the factorization ran out of memory; algebraic multigrid takes its place (as `solver.linear: amg`)");
       }
       if (record().newton_iterations > worst_.newton_iterations) {
-        worst_ = {record().step, record().time, record().newton_iterations};
+        worst_ = {record().step, progress(), record().newton_iterations};
       }
       if (const auto news = watch_.look_for_passage(record())) console_.warn(*news);
       for (const auto& news : watch_.look_at_joints(record())) console_.warn(news);
@@ -145,12 +146,17 @@ class Run {
     }
     config_.checkpoint ? write_checkpoint() : recorder_->sync();
     for (const auto& words : watch_.final_warnings()) console_.warn(words);
+    if (const std::string& why = simulation_->end_of_path(); !why.empty()) {
+      console_.print(fmt::format("the path ends: {}", why));
+    }
     summarise("done", "");
     return ExitCode::done;
   }
 
   const StepRecord& record() const { return simulation_->record(); }
   bool is_static() const { return analysis_of(config_) == Analysis::static_equilibrium; }
+  /// The time, or the load factor of a static problem.
+  double progress() const { return is_static() ? record().load_factor : record().time; }
   const char* variable() const { return is_static() ? "load factor" : "t"; }
 
   void introduce() {
@@ -211,7 +217,7 @@ class Run {
     summarise("interrupted", "");
     console_.warn(fmt::format(
         "interrupted after step {} at {} = {:.6g}{}; the results so far are in {}; to continue: {}", record().step,
-        variable(), record().time, is_static() ? "" : " s", config_.output.directory, how_to_resume()));
+        variable(), progress(), is_static() ? "" : " s", config_.output.directory, how_to_resume()));
     return ExitCode::interrupted;
   }
 
@@ -232,7 +238,7 @@ class Run {
     summarise("failed", outcome.reason);
     throw SolveError(
         fmt::format("{0}. The last good state ({1} = {2:.6g}) is in {3}{4}. Post-mortem: {5}",
-                    simulation_->in_words(outcome), variable(), record().time, config_.output.directory,
+                    simulation_->in_words(outcome), variable(), progress(), config_.output.directory,
                     is_static() ? "" : fmt::format(" (`{} --set time.step=...` continues from there)", how_to_resume()),
                     where_to_look));
   }
@@ -241,13 +247,28 @@ class Run {
 
   std::string progress_line(double elapsed) {
     const Energies& e = simulation_->ledger().energies();
+    const bool has_end = std::isfinite(simulation_->plan().end);
     const double done = record().time / simulation_->plan().end;
     largest_energy_ =
         std::max({largest_energy_, e.kinetic, e.elastic, std::abs(e.load_potential), std::abs(e.load_work)});
-    return fmt::format("{} {:.6g}{}  step {}  dt {:.3g}  newton {}  energy balance {:+.1e}  {:.0f} s left", variable(),
-                       record().time, is_static() ? "" : " s", record().step, record().dt, record().newton_iterations,
-                       e.balance_error / std::max(largest_energy_, 1e-300),
-                       elapsed * (1.0 - done) / std::max(done, 1e-12));
+    const std::string left =
+        has_end ? fmt::format("{:.0f} s left", elapsed * (1.0 - done) / std::max(done, 1e-12)) : stability();
+    return fmt::format("{} {:.6g}{}  step {}  dt {:.3g}  newton {}  energy balance {:+.1e}  {}", variable(), progress(),
+                       is_static() ? "" : " s", record().step, record().dt, record().newton_iterations,
+                       e.balance_error / std::max(largest_energy_, 1e-300), left);
+  }
+
+  /// Whether the last state on a path is stable, in words.
+  std::string stability() const {
+    if (!record().unstable_modes) return "";
+    return *record().unstable_modes == 0 ? "stable" : fmt::format("unstable ({})", *record().unstable_modes);
+  }
+
+  /// A limit point or bifurcation that the last step has passed.
+  void report_critical_point() {
+    if (!record().critical) return;
+    critical_points_.push_back({record().step, *record().critical});
+    console_.print(fmt::format("note: step {} has passed {}", record().step, in_words(*record().critical)));
   }
 
   /// Without inertia there is no kinetic energy, and steps of the load or of time do not damp.
@@ -276,7 +297,7 @@ class Run {
     const RunSeconds t{seconds_since(start_),   setup_seconds_,  model_.mesh_seconds(), s.assembly_seconds,
                        s.factorization_seconds, s.solve_seconds, output_seconds()};
     save({outcome, message, num_ranks(comm_), t, steps, s, worst_, energy_watch_->growth(),
-          recorder_->fields().has_mesh_error() ? std::optional(mesh_error_watch_) : std::nullopt});
+          recorder_->fields().has_mesh_error() ? std::optional(mesh_error_watch_) : std::nullopt, critical_points_});
     console_.print(fmt::format(
         "time: {} s = set-up {} (mesh {}) + assembly {} + factorization {} + solve {} + output {} + rest {}",
         three_digits(t.total), three_digits(t.set_up), three_digits(t.mesh), three_digits(t.assembly),
@@ -314,7 +335,7 @@ class Run {
 
   void look_at_mesh_error() {
     ResultFields& fields = recorder_->fields();
-    if (fields.has_mesh_error()) mesh_error_watch_.look(fields.mesh_error(record()), record().time);
+    if (fields.has_mesh_error()) mesh_error_watch_.look(fields.mesh_error(record()), progress());
   }
 
   void report_mesh_error() {
@@ -333,7 +354,7 @@ class Run {
     console_.print(
         fmt::format("note: the step after {} = {:.6g}{} takes long: {:.0f} s so far, {} Newton iterations, residual "
                     "{:.1e} N (tolerance {:.1e} N), {} linear iterations in the last one",
-                    variable(), record().time, is_static() ? "" : " s", stage.seconds, stage.iteration, stage.residual,
+                    variable(), progress(), is_static() ? "" : " s", stage.seconds, stage.iteration, stage.residual,
                     stage.target, stage.linear_iterations));
   }
 
@@ -376,6 +397,7 @@ class Run {
   Model model_;
   MotionWatch watch_;
   MeshErrorWatch mesh_error_watch_;
+  std::vector<PassedPoint> critical_points_;
   std::optional<OutputDirectory> directory_;
   Checkpoints checkpoints_;
   std::optional<Simulation> simulation_;

@@ -18,6 +18,8 @@ namespace {
 constexpr double longer = 1.0 + 1e-6;
 /// Number of nominal steps after which a contact no longer counts as an impact.
 constexpr double steps_of_impact = 3.0;
+/// Longest step along a path, in first steps, if none is given.
+constexpr double longest_step_of_path = 10.0;
 /// Largest gain relative to the available energy: a step that gains more at a barrier is shortened, but not below this
 /// fraction of the nominal step.
 constexpr double largest_gain = 0.02, least_part_of_impact = 1.0 / 200.0;
@@ -40,6 +42,7 @@ Simulation::Simulation(const Config& config, Model& model, Stages stages)
   const Handle<Vec> z = model.potential().make_internal();
   if (z.get() != nullptr) model.potential().internal_variables().complete_step(nullptr, q_.get(), z.get());
   StateView initial{0.0, q_.get(), v_.get(), z.get()};
+  if (analysis_ == Analysis::static_equilibrium) initial.load_factor = record_.load_factor = 0.0;
   ledger_.emplace(model, analysis_, initial);
   if (analysis_ == Analysis::dynamic) initial.w = ledger_->works();
   advance_ = make_advance(config, model, *ledger_, initial, stages);
@@ -54,13 +57,22 @@ Simulation::Simulation(const Config& config, Model& model, Stages stages)
   settles_pressures_ = model_.mixed_equation() != nullptr && method != nullptr && !method->stiffly_accurate;
   num_past_ = analysis_ != Analysis::dynamic ? 1 : method != nullptr ? method->num_steps : 2;
   measure_contact();
+  if (config.time.path) record_.unstable_modes = 0;  // nothing has been loaded
+  if (config.time.path) path_end_ = std::make_unique<PathEnd>(config, model, *ledger_);
 }
+
+Simulation::~Simulation() = default;
 
 void Simulation::set_plan(const Config& config) {
   if (analysis_ == Analysis::static_equilibrium) {
     const double step = 1.0 / config.time.load_steps;
     plan_ = {0.0, step, 1.0, step / 1024.0};
     plan_.variable = {"load factor", ""};
+    if (const auto& path = config.time.path) {
+      plan_.end = std::numeric_limits<double>::infinity();
+      plan_.path = PathPlan{std::max(step, path->max_step.value_or(longest_step_of_path * step))};
+      plan_.variable.name = "path length";
+    }
     return;
   }
   plan_ = {0.0, config.time.step, config.time.end, config.time.min_step, events_of(config).times};
@@ -108,8 +120,16 @@ void Simulation::keep(Archive& archive) {
   check(VecCopy(advance_->state().q, q_.get()));
   check(VecCopy(advance_->state().v, v_.get()));
   record_.z = advance_->state().z;
+  record_.load_factor = advance_->state().load_factor;
   steps_.least_gap = std::numeric_limits<double>::infinity();
   measure_contact();
+  if (path_has_ended()) control_->stop();
+}
+
+bool Simulation::path_has_ended() {
+  if (path_end_ == nullptr) return false;
+  end_of_path_ = path_end_->reason(record_, *ledger_, advance_->path()->is_at_end);
+  return !end_of_path_.empty();
 }
 
 void Simulation::continue_control(StepProgress progress, double former_step) {
@@ -126,7 +146,8 @@ void Simulation::plan_anew(const Config& config) {
 
 std::string Simulation::in_words(const StepOutcome& failure) const {
   return fmt::format("the solve failed at {} = {:.6g}: {}",
-                     analysis_ == Analysis::static_equilibrium ? "load factor" : "t", record_.time, failure.reason);
+                     analysis_ == Analysis::static_equilibrium ? "load factor" : "t",
+                     analysis_ == Analysis::static_equilibrium ? record_.load_factor : record_.time, failure.reason);
 }
 
 StepOutcome Simulation::complete_step(const std::function<void(const StepOutcome&)>& retried) {
@@ -143,7 +164,8 @@ StepOutcome Simulation::advance() {
   StepAttempt attempt = advance_->attempt(step);
   record_.a = nullptr;  // it belonged to the advance
   if (attempt.report.outcome == StageOutcome::converged) {
-    if (settles_pressures_) model_.mixed_equation()->settle(attempt.q, model_.instant(attempt.time));
+    if (settles_pressures_)
+      model_.mixed_equation()->settle(attempt.q, model_.instant(attempt.time, attempt.load_factor));
     if (auto reason = impossibility(attempt, step)) {
       attempt.report.outcome = StageOutcome::retry;
       attempt.report.reason = std::move(*reason);
@@ -159,7 +181,12 @@ StepOutcome Simulation::advance() {
   }
   const bool touched = record_.contact.num_points > 0.0;
   accept(attempt, step);
-  control_->accept(error);
+  if (const PathFinding* path = advance_->path()) {
+    control_->accept_on_path(attempt.time, path->growth);
+    if (path_has_ended()) control_->stop();
+  } else {
+    control_->accept(error);
+  }
   accepted_ = control_->progress();
   const bool touches = touched || record_.contact.num_points > 0.0;
   const bool restarts = control_->at_event() || extrapolates_impact(step, touches);
@@ -187,7 +214,7 @@ void Simulation::begin(const Step& step) {
 void Simulation::end_step(bool restarts) {
   const StepAttempt attempt = advance_->end_step();
   record_.a = nullptr;
-  if (settles_pressures_) model_.mixed_equation()->settle(attempt.q, model_.instant(attempt.time));
+  if (settles_pressures_) model_.mixed_equation()->settle(attempt.q, model_.instant(attempt.time, attempt.load_factor));
   accept(attempt, step_);
   if (restarts) restart();
 }
@@ -207,7 +234,7 @@ bool Simulation::extrapolates_impact(const Step& step, bool touches) {
 void Simulation::measure_contact() {
   if (model_.contacts() == nullptr) return;
   update_ghosts(q_.get());
-  record_.contact = model_.contacts()->closeness(model_.instant(record_.time), ConstGhostedView(q_.get()).span());
+  record_.contact = model_.contacts()->closeness(record_.instant(model_), ConstGhostedView(q_.get()).span());
   steps_.least_gap = std::min(steps_.least_gap, record_.contact.gap);
 }
 
@@ -216,12 +243,14 @@ std::optional<std::string> Simulation::passage(const StepAttempt& attempt) {
   check(VecCopy(attempt.q, next_q_.get()));
   update_ghosts(next_q_.get());
   const ConstGhostedView from(q_.get()), to(next_q_.get());
-  return model_.contacts()->passage(model_.instant(record_.time), from.span(), model_.instant(attempt.time), to.span());
+  return model_.contacts()->passage(record_.instant(model_), from.span(),
+                                    model_.instant(attempt.time, attempt.load_factor), to.span());
 }
 
 bool Simulation::ends_inside_out(const StepAttempt& attempt) {
   if (attempt.q == attempt.last_q) return false;  // the line search has excluded it
-  const auto energies = model_.potential().accounts().energies(model_.instant(attempt.time), attempt.q, attempt.z);
+  const auto energies =
+      model_.potential().accounts().energies(model_.instant(attempt.time, attempt.load_factor), attempt.q, attempt.z);
   return !std::ranges::all_of(energies, [](double energy) { return std::isfinite(energy); });
 }
 
@@ -236,7 +265,8 @@ std::optional<std::string> Simulation::gain_at_barrier(const StepAttempt& attemp
     check(VecCopy(attempt.q, next_q_.get()));
     update_ghosts(next_q_.get());
     const ConstGhostedView to(next_q_.get());
-    if (!(contacts->closeness(model_.instant(attempt.time), to.span()).num_points > 0.0)) return std::nullopt;
+    if (!(contacts->closeness(model_.instant(attempt.time, attempt.load_factor), to.span()).num_points > 0.0))
+      return std::nullopt;
   }
   return fmt::format("the step is too long for an impact on a barrier: it creates {:.3g} J, with {:.3g} J available",
                      gain.created, gain.available);
@@ -267,21 +297,28 @@ void Simulation::accept(const StepAttempt& attempt, const Step& step) {
   ledger_->book(attempt);
   check(VecCopy(attempt.q, q_.get()));
   check(VecCopy(attempt.v, v_.get()));
+  // A step along a path may end elsewhere.
+  const bool is_as_planned = advance_->path() == nullptr;
   record_ = {record_.step + 1,
-             step.time,
-             step.dt,
+             is_as_planned ? step.time : attempt.time,
+             is_as_planned ? step.dt : attempt.time - record_.time,
              attempt.report.newton_iterations,
              attempt.report.linear_iterations,
              q_.get(),
              v_.get(),
              analysis_ == Analysis::dynamic ? attempt.last_a : nullptr,
              nullptr,
-             {}};
+             {},
+             attempt.load_factor};
+  if (const PathFinding* path = advance_->path()) {
+    record_.unstable_modes = path->unstable_modes;
+    record_.critical = path->critical;
+  }
   measure_contact();
   advance_->accept(attempt);
   record_.z = advance_->state().z;
-  steps_.shortest = steps_.accepted == 0 ? step.dt : std::min(steps_.shortest, step.dt);
-  steps_.longest = std::max(steps_.longest, step.dt);
+  steps_.shortest = steps_.accepted == 0 ? record_.dt : std::min(steps_.shortest, record_.dt);
+  steps_.longest = std::max(steps_.longest, record_.dt);
   ++steps_.accepted;
 }
 

@@ -5,6 +5,7 @@
 #include "model/model.hpp"
 #include "run/advance.hpp"
 #include "run/ledger.hpp"
+#include "run/path_end.hpp"
 #include "solver/newton.hpp"
 #include "time/step_control.hpp"
 
@@ -20,15 +21,21 @@ namespace pliant {
 /// A completed step, or the initial state (step 0).
 struct StepRecord {
   std::int64_t step = 0;
-  double time = 0.0;  ///< [s]; in a static problem, the load factor
+  double time = 0.0;  ///< [s]; in a static problem, the load factor, or the length of its path
   double dt = 0.0;    ///< likewise
   int newton_iterations = 0;
   int linear_iterations = 0;
   Vec q = nullptr;
   Vec v = nullptr;
-  Vec a = nullptr;    ///< nullptr: zero
-  Vec z = nullptr;    ///< internal variables; nullptr if there are none
-  Closeness contact;  ///< at the step's end, if there are obstacles
+  Vec a = nullptr;                              ///< nullptr: zero
+  Vec z = nullptr;                              ///< internal variables; nullptr if there are none
+  Closeness contact;                            ///< at the step's end, if there are obstacles
+  double load_factor = 1.0;                     ///< of a static problem
+  std::optional<PetscInt> unstable_modes = {};  ///< PathFinding, of the step
+  std::optional<CriticalPoint> critical = {};   ///< likewise
+
+  /// What terms know about its end.
+  Instant instant(const Model& model) const { return model.instant(time, load_factor); }
 };
 
 /// The outcome of trying a step.
@@ -64,6 +71,7 @@ class Simulation {
   Simulation(const Config& config, Model& model, Stages stages = Stages::solved_here);
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
+  ~Simulation();
 
   bool finished() const { return control_->finished(); }
   /// Tries one step.
@@ -96,6 +104,8 @@ class Simulation {
   /// The last completed step; its acceleration is known until the next one is tried.
   const StepRecord& record() const { return record_; }
   const StepPlan& plan() const { return plan_; }
+  /// Why the path ended; empty if it has not.
+  const std::string& end_of_path() const { return end_of_path_; }
   const Ledger& ledger() const { return *ledger_; }
   Analysis analysis() const { return analysis_; }
   /// Statistics of Pliant's solver, or those that PETSc's integrator reports.
@@ -119,6 +129,8 @@ class Simulation {
 
  private:
   void set_plan(const Config& config);
+  /// Whether the path has ended.
+  bool path_has_ended();
   /// Continues under the present plan from the progress under one with this step.
   void continue_control(StepProgress progress, double former_step);
   /// A message if no body can have reached the end of a converged attempt.
@@ -146,6 +158,8 @@ class Simulation {
   std::optional<Ledger> ledger_;
   std::unique_ptr<Advance> advance_;
   std::optional<StepControl> control_;
+  std::unique_ptr<PathEnd> path_end_;  // nullptr without a path
+  std::string end_of_path_;
   StepProgress accepted_;  // at the last accepted step
   StepRecord record_;
   StepStatistics steps_;

@@ -67,6 +67,10 @@ void write_summary(const std::filesystem::path& directory, const Summary& summar
     json["discretization_error"] = {
         {"share", error.share}, {"energy", error.energy}, {"time", watch->time()}, {"place", error.place}};
   }
+  for (const auto& [step, point] : summary.critical_points) {
+    json["critical_points"].push_back(
+        {{"kind", name_of(point.kind)}, {"load_factor", point.load_factor}, {"step", step}});
+  }
   write_text_atomically(file_in(directory), json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace pliant {
 
@@ -27,6 +28,12 @@ struct WorstStep {
   int newton_iterations = -1;
 };
 
+/// A critical point of a path, and the step that has passed it.
+struct PassedPoint {
+  std::int64_t step = 0;
+  CriticalPoint point;
+};
+
 struct Summary {
   std::string outcome;  ///< "done", "interrupted" or "failed"
   std::string message;  ///< why, if not done
@@ -37,6 +44,7 @@ struct Summary {
   WorstStep worst;
   std::optional<EnergyWatch::Growth> energy_growth;
   std::optional<MeshErrorWatch> mesh_error;  ///< if the input asks for it
+  std::vector<PassedPoint> critical_points;  ///< along a path
 };
 
 /// Replaces summary.json. For a resumed run it covers the part since resuming. Not collective.

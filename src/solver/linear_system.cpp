@@ -120,9 +120,26 @@ bool LinearSystem::has_right_inertia() const {
          negative_eigenvalues().value_or(equation_.num_negative_pivots()) == equation_.num_negative_pivots();
 }
 
+std::optional<PetscInt> LinearSystem::unstable_modes() const {
+  if (factor_.has_failed()) return std::nullopt;
+  std::optional<PetscInt> number = negative_eigenvalues();
+  if (number) *number -= equation_.num_negative_pivots();
+  return number;
+}
+
 void LinearSystem::choose_krylov_method() {
   if (!may_choose_krylov_) return;
   set_krylov_method(ksp_, has_right_inertia() ? Symmetry::symmetric : Symmetry::indefinite);
+}
+
+bool LinearSystem::refine(Vec q) {
+  if (!refine_factorization(preconditioner_.get()) || !factorize_definite(q)) return false;
+  use_krylov_method_for_indefinite();
+  return true;
+}
+
+void LinearSystem::use_krylov_method_for_indefinite() {
+  if (may_choose_krylov_) set_krylov_method(ksp_, Symmetry::indefinite);
 }
 
 void LinearSystem::use_usual_krylov_method() {

@@ -72,9 +72,15 @@ class LinearSystem {
 
   /// Whether the factorization counts as many negative eigenvalues as the Hessian of a stable state has.
   bool has_right_inertia() const;
+  /// The negative eigenvalues that it counts beyond those; nothing if it counts none.
+  std::optional<PetscInt> unstable_modes() const;
   /// Whether a solution q, at which K was factorized, is stable apart from the places where barriers are: whether K has
   /// the right inertia there, or has it with projected barriers.
   bool is_stable(Vec q);
+  /// Makes the factor more accurate; false if nothing better is available, or there is no factor.
+  bool refine(Vec q);
+  /// Sets the Krylov method for indefinite matrices, whatever the factorization has counted.
+  void use_krylov_method_for_indefinite();
   /// Restores the Krylov method for definite matrices, which may have been replaced for indefinite ones.
   void use_usual_krylov_method();
   /// Forgets what was learned from earlier stages.

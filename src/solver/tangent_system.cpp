@@ -7,10 +7,10 @@ constexpr double relative_residual = 1e-10;
 
 }  // namespace
 
-bool TangentSystem::begin(Vec q) {
+bool TangentSystem::begin(Vec q, Vec from) {
   q_ = q;
   StageEquation& equation = objective_.equation();
-  equation.extrapolate_from(nullptr);
+  equation.extrapolate_from(from);
   // The solution may be any equilibrium: K must stay as it is.
   if (is_symmetric(equation.symmetry())) objective_.set_aim(Aim::any_equilibrium);
   system_.assemble(q);
@@ -26,10 +26,16 @@ bool TangentSystem::has_solved() const {
 
 bool TangentSystem::solve(Vec r, Vec y) {
   system_.solve(r, y);
+  system_.improve_poor_factor(q_, r, y);
   system_.note_solve();
   if (has_solved()) return true;
+  // The factor may be that of a definite matrix, or too rough to show that this one is indefinite.
   system_.factor().renew();
   if (!system_.prepare(q_)) return false;
+  system_.use_krylov_method_for_indefinite();
+  system_.solve(r, y);
+  if (has_solved()) return true;
+  if (!system_.refine(q_)) return false;
   system_.solve(r, y);
   return has_solved();
 }

@@ -15,8 +15,9 @@ class TangentSystem {
   TangentSystem(Objective& objective, LinearSystem& system, KSP ksp)
       : objective_(objective), system_(system), ksp_(ksp) {}
 
-  /// Assembles K at q, the unknowns that solve the present stage. Returns false if it has no factor.
-  bool begin(Vec q);
+  /// Assembles K at q, the unknowns that solve the present stage. Returns false if it has no factor. On the way to the
+  /// solution, K is that of Newton's method at q, reached from `from` (StageEquation::extrapolate_from).
+  bool begin(Vec q, Vec from = nullptr);
   /// Solves to ten digits; returns false if the linear solver fails.
   bool solve(Vec r, Vec y);
   /// y = K x.

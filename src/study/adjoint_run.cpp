@@ -78,6 +78,10 @@ void AdjointRun::require_adjoint() {
     throw InputError(where, what + "; derivatives by few numbers do (`--of` instead of `--adjoint`)");
   };
   const Location file{config_.file, 0, 0};
+  if (config_.time.path) {
+    throw InputError(config_.time.path->where,
+                     "derivatives along a path are not defined where its load factor turns back; remove 'path'");
+  }
   if (analysis_of(config_) != Analysis::static_equilibrium && integrator_of(config_) == nullptr) {
     throw InputError(config_.time.method.where, "an adjoint needs one of Pliant's own methods, not one of PETSc's");
   }

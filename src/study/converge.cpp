@@ -415,6 +415,11 @@ std::vector<Config> read_configs(MPI_Comm comm, const std::string& file, const s
     if (options.refine != Refine::space && analysis == Analysis::static_equilibrium) {
       throw InputError(config.time.method.where, "a static problem has no convergence in time; use --in space");
     }
+    if (config.time.path) {
+      throw InputError(config.time.path->where,
+                       "steps along a path end elsewhere on each mesh, so that there is nothing to compare; remove "
+                       "'path', or run the input on several meshes and compare limit points");
+    }
     if (options.refine == Refine::space && !config.rods.empty()) {
       throw InputError(
           config.rods.front().where,

@@ -60,7 +60,7 @@ class ModesStudy {
     simulation_.emplace(config_, model_);
     if (is_loaded_) find_equilibrium();
     const StepRecord& record = simulation_->record();
-    const Vibration vibration(config_, model_, {record.q, record.z, config_.time.end, record.time});
+    const Vibration vibration(config_, model_, {record.q, record.z, config_.time.end, record.load_factor});
     if (vibration.imbalance() > balanced) {
       console_.warn(
           fmt::format("{}: the state is not an equilibrium: {:.2g} of the forces are unbalanced; the modes are "
@@ -97,7 +97,7 @@ class ModesStudy {
       if (outcome.kind == StepOutcome::Kind::failed) {
         throw SolveError("no equilibrium to vibrate about: " + simulation_->in_words(outcome));
       }
-      console_.progress(fmt::format("load factor {:.6g}", simulation_->record().time));
+      console_.progress(fmt::format("load factor {:.6g}", simulation_->record().load_factor));
     }
   }
 

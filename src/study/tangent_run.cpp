@@ -88,6 +88,10 @@ struct TangentRun::Pair {
 TangentRun::TangentRun(const Mesh& mesh, const VariedInput& input, std::span<const double> values,
                        std::span<const double> sizes)
     : config_(input.at(values)), model_(mesh, config_) {
+  if (config_.time.path) {
+    throw InputError(config_.time.path->where,
+                     "derivatives along a path are not defined where its load factor turns back; remove 'path'");
+  }
   if (analysis_of(config_) != Analysis::static_equilibrium && integrator_of(config_) == nullptr) {
     throw InputError(config_.time.method.where, "derivatives need one of Pliant's own methods, not one of PETSc's");
   }

@@ -16,6 +16,7 @@ struct StateView {
   Vec v = nullptr;                 ///< velocity [m/s]
   Vec z = nullptr;                 ///< internal variables; nullptr if there are none
   std::span<const double> w = {};  ///< quadratures, the same numbers on every rank; empty if there are none
+  double load_factor = 1.0;        ///< StagePoint::load_factor, at which a static problem has this state
 };
 
 struct State {

@@ -42,6 +42,7 @@ double spacing(const StepPlan& plan) {
 }
 
 std::int64_t count_steps(const StepPlan& plan) {
+  if (plan.path) return 1;  // the whole path
   const double num_steps = (plan.end - plan.origin) / spacing(plan);
   return std::max<std::int64_t>(0, static_cast<std::int64_t>(std::ceil(num_steps - sliver)));
 }
@@ -65,6 +66,11 @@ void StepProgress::keep(Archive& archive) {
 }
 
 StepProgress under_plan(const StepPlan& plan, StepProgress progress) {
+  if (plan.path) {
+    progress.nominal = 0;  // whoever follows it knows whether it has ended
+    progress.limit = std::min(progress.limit, plan.path->max_dt);
+    return progress;
+  }
   const bool is_over = progress.time >= plan.end - 0.5 * sliver * plan.dt;
   const auto completed = static_cast<std::int64_t>(std::floor((progress.time - plan.origin) / spacing(plan) + sliver));
   progress.nominal = is_over ? count_steps(plan) : completed;
@@ -99,6 +105,7 @@ StepControl::Target StepControl::target() const {
 
 Step StepControl::next() const {
   assert(!finished());
+  if (plan_.path) return {progress_.time + progress_.limit, progress_.limit};
   return plan_.adaptive ? next_adaptive(target()) : next_nominal(target());
 }
 
@@ -196,6 +203,16 @@ void StepControl::accept(double error) {
   } else if (growth * step.dt >= progress_.limit * (1.0 - sliver)) {  // else an event cut it short
     progress_.limit = std::min(growth * step.dt, plan_.dt);
   }
+}
+
+void StepControl::accept_on_path(double end, double growth) {
+  assert(plan_.path);
+  progress_.time = end;
+  progress_.limit = std::clamp(growth * progress_.limit, plan_.min_dt, plan_.path->max_dt);
+}
+
+void StepControl::stop() {
+  progress_.nominal = num_nominal_;
 }
 
 // The PI controller of Gustafsson (Hairer & Wanner II, IV.8; exponents of the error per unit step):

@@ -1,5 +1,5 @@
 /// Decides which step to try next: a nominal step on a fixed grid of times, shortened when a step fails, or steps whose
-/// length follows the error.
+/// length follows the error, or steps along a path.
 #pragma once
 
 #include "petsc/archive.hpp"
@@ -20,7 +20,13 @@ struct AdaptivePlan {
   int order = 1;            ///< the error of a step grows as dt^(order + 1)
 };
 
-/// The quantity that steps advance, as messages name it: time, or the load factor of a static problem.
+/// Steps along a path, whose end is not known beforehand.
+struct PathPlan {
+  double max_dt = 0.0;  ///< longest step
+};
+
+/// The quantity that steps advance, as messages name it: time, or the load factor of a static problem, or the length of
+/// its path.
 struct StepVariable {
   std::string name = "t";
   std::string unit = "s";  ///< empty if there is none
@@ -35,6 +41,7 @@ struct StepPlan {
   std::vector<double> events = {};  ///< rising times at which loads may have a kink or a jump: steps end there [s]
   std::optional<AdaptivePlan> adaptive = {};  ///< empty: nominal steps
   StepVariable variable = {};
+  std::optional<PathPlan> path = {};  ///< then there is neither `end` nor events
 };
 
 /// The progress of the run; together with the plan, all that is needed to continue exactly.
@@ -85,7 +92,10 @@ StepProgress under_plan(const StepPlan& plan, StepProgress progress);
 /// event, or where the solver's tolerance is all that is left, its share of the run would ask for steps without end.
 /// Such a step may take a hundredth of what is unspent: of the tolerance once more, and of what earlier steps left of
 /// their shares. So the estimates add up to twice the tolerance at most. At the smallest step an error that hardly
-/// falls at all is a jump's, or the solver's: the run continues, and says so. A value: copies are independent.
+/// falls at all is a jump's, or the solver's: the run continues, and says so.
+///
+/// Along a path whoever follows it says how long the next step should be, and when it ends. A failed step is halved, as
+/// a nominal one is. A value: copies are independent.
 class StepControl {
  public:
   /// Starts at the plan's origin.
@@ -103,6 +113,10 @@ class StepControl {
   std::string concession(double error) const;
   /// The step `next()` was accepted. Nominal steps have no use for the error.
   void accept(double error = 0.0);
+  /// A step along a path was accepted that ends there; the next one should be this much longer.
+  void accept_on_path(double end, double growth);
+  /// Ends a path.
+  void stop();
   /// The step `next()` failed for the reason given: `next()` is shorter now, unless the decision is to give up.
   RetryDecision reject(const std::string& reason);
   /// The step `next()` is not accepted for its error. Adaptive steps only.

@@ -58,7 +58,9 @@ struct StepAttempt {
   Vec error_v = nullptr;   ///< [m/s]
   int estimate_order = 0;  ///< the estimate falls as dt^(estimate_order + 1)
 
-  StateView view() const { return {time, q, v, z, w}; }
+  double load_factor = 1.0;  ///< StagePoint::load_factor at the end of the step
+
+  StateView view() const { return {time, q, v, z, w, load_factor}; }
 };
 
 /// Takes steps of a method.

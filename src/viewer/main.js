@@ -14,8 +14,9 @@ import { showFacts, showModelFacts, showRun, showTexts } from "./texts.js";
 import { watch } from "./watch.js";
 import "./style.css";  // after that of the plots, which it changes
 
-/// The time of a static analysis is a load factor.
-const isStatic = /^time:\n(?: .*\n)*?  method: static$/m.test(report.input);
+/// The time of a static analysis is a load factor, or the length of its path; otherwise empty.
+const isStatic = !/^time:\n(?: .*\n)*?  method: static$/m.test(report.input) ? ""
+  : /^time:\n(?: .*\n)*?  path:/m.test(report.input) ? "path" : "load";
 const place = (id) => document.getElementById(id);
 
 /// The axes of space, seen as the bodies are.

@@ -57,7 +57,7 @@ export class Picture {
   timeLine() {
     if (this.player.hasLabels) return this.player.label();
     const [number, unit] = this.player.text(this.player.time);
-    return this.player.isStatic ? `load ${number}` : `t = ${number} ${unit}`;
+    return this.player.isStatic ? `${this.player.isStatic} ${number}` : `t = ${number} ${unit}`;
   }
 
   drawMark({ x, y, text, colour }, { font, ink, card, wide }) {
@@ -82,7 +82,7 @@ export class Picture {
   savePicture() {
     this.view.render();  // with what was set since the last drawing
     const [number, unit] = this.player.text(this.player.time);
-    const kind = this.player.hasLabels ? "mode" : this.player.isStatic ? "load" : "t";
+    const kind = this.player.hasLabels ? "mode" : this.player.isStatic || "t";
     const name = `${this.run}_${kind}${number}${kind === "t" ? unit.replace("µ", "u") : ""}.png`;
     this.compose().toBlob((blob) => save(blob, name), "image/png");
   }

@@ -5,7 +5,7 @@ const place = (id) => document.getElementById(id);
 const ICONS = { play: "M3 1.5v13l11-6.5z", pause: "M3 1.5h3.5v13H3zM9.5 1.5H13v13H9.5z" };
 
 export class Player {
-  /// `isStatic`: the time is that of a load, which has no pace.
+  /// `isStatic`: "load" or "path" if the time is that of a static analysis, which has no pace.
   constructor(frames, isStatic) {
     Object.assign(this, { frames, isStatic });
     this.start = frames[0].time;
@@ -58,7 +58,7 @@ export class Player {
     place("scrub").style.setProperty("--done", `${(100 * (this.time - this.start)) / (this.end - this.start || 1)}%`);
     const [number, unit] = this.text(this.time);
     if (this.hasLabels) place("time").textContent = this.label();
-    else place("time").innerHTML = this.isStatic ? `load <b>${number}</b>` : `<b>${number}</b> ${unit}`;
+    else place("time").innerHTML = this.isStatic ? `${this.isStatic} <b>${number}</b>` : `<b>${number}</b> ${unit}`;
     for (const listener of this.listeners) listener(this.time);
   }
 

@@ -2,6 +2,7 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { handyUnit, short, spelt, typeset } from "./numbers.js";
+import { PathPlot, waysOf } from "./path.js";
 
 const COLOURS = ["#4a80c9", "#d9693f", "#43a874", "#9670c6", "#c79a2b", "#4aa5b5", "#bd5a86", "#7d8693"];
 const ENERGIES = ["kinetic_energy", "elastic_energy", "load_potential", "dissipated_energy", "numerical_dissipation", "load_work"];
@@ -64,6 +65,7 @@ function* plotsOf(history, { isStatic, taken }) {
     yield { title: `Pressure in ${cavity}`, unit: "Pa", lines: [["gauge pressure", history.get(name)]] };
     yield { title: `Volume of ${cavity}`, unit: "m^3", lines: [["volume", history.get(`${cavity}_volume`)]], colour: 2 };
   }
+  if (history.has("load_factor")) yield { title: "Load factor", unit: "", lines: [["load", history.get("load_factor")]] };
   const linear = history.has("px") ? varying([..."xyz"].map((k, i) => [k, history.get(`p${k}`), i])) : [];
   if (linear.length) yield { title: "Momentum", unit: "N s", lines: linear };
   for (const { column, title, unit } of taken) {
@@ -80,9 +82,10 @@ function* plotsOf(history, { isStatic, taken }) {
 /// `seek(time)` is called when a plot is clicked.
 export class Plots {
   constructor(place, history, { isStatic, taken, seek }) {
-    Object.assign(this, { place, seek, made: [], timeLabel: isStatic ? "load" : "time [s]" });
+    Object.assign(this, { place, seek, made: [], timeLabel: isStatic || "time [s]", paths: [] });
     this.sync = uPlot.sync("history");
     const time = history.get("time");
+    if (time?.length > 1 && history.has("load_factor")) this.paths = waysOf(history).map((way) => new PathPlot(place, history, way, seek));
     if (time?.length) for (const plot of [...plotsOf(history, { isStatic, taken })].slice(0, 40)) this.add(plot, time);
     new ResizeObserver(() => this.resize()).observe(place);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.made.forEach(({ chart }) => chart.redraw(false, true)));
@@ -162,6 +165,7 @@ export class Plots {
   /// A line at that time, and its values below, unless the pointer asks for others.
   mark(time) {
     this.time = time;
+    for (const path of this.paths) path.mark(time);
     for (const { chart, marker } of this.made) {
       marker.style.transform = `translateX(${chart.valToPos(time, "x")}px)`;
       if (!(chart.cursor.left >= 0)) chart.setLegend({ idx: nearest(chart.data[0], time) });

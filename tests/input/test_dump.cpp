@@ -120,6 +120,12 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
                                                  "poissons_ratio: 0}, expansion: {stretch: 1+0.1*t}}]"}})),
                            "dump", none),
                 "", written);
+  const std::vector<Override> path_of_equilibria{
+      {"constraints", "[{surface: a, displacement: [0, 0, 0]}]"},
+      {"time",
+       "{method: static, path: {by: arc-length, max_load: 3, min_load: -1, max_step: 2, max_steps: 9, stop: [{column: "
+       "step, above: 1, below: -1}]}}"}};
+  collect_paths(parse_yaml(dump(read(smallest, path_of_equilibria)), "dump", none), "", written);
   for (const auto& path : expected) {
     EXPECT_NE(std::find(written.begin(), written.end(), path), written.end()) << path << " is not written";
   }
@@ -185,7 +191,7 @@ INSTANTIATE_TEST_SUITE_P(Inputs, RoundTrip,
 mesh: {file: /absolute/beam.msh}
 bodies: [{elasticity: {model: linear, youngs_modulus: 1e6, poissons_ratio: 0.4}}]
 constraints: [{surface: 1, displacement: [0, 0, 0]}]
-time: {method: static, load_steps: 4}
+time: {method: static, load_steps: 4, path: {min_load: -2, stop: [{column: step, above: 3}]}}
 )yaml"));
 
 TEST(Input, TimesOfAllKindsKeepThroughWritingAndReading) {

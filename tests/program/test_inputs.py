@@ -24,6 +24,7 @@ SMALL = {
     "pneumatic_actuator.yaml": ["time.end=0.02", "time.events=[]"],
     "relaxation.yaml": ["time.step=20 ms", "time.end=1"],
     "tendon_gripper.yaml": ["mesh.size=6 mm", "time.step=20 ms", "time.end=0.6", "time.events=[]"],
+    "snapping_cap.yaml": ["mesh.size=8 mm", "element=P1", "time.path.max_steps=8"],
     "static_bending.yaml": ["mesh.size=0.2", "time.load_steps=4"],
     "tendon_finger.yaml": ["mesh.size=12 mm", "time.end=0.04"],
     "thrown_box.yaml": ["mesh.size=0.025", "time.end=0.8", "time.step=0.004"],

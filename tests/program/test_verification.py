@@ -4,6 +4,7 @@
 A row of the table in that document is a call of `row`; its numbers are those of the last `--write`, and a run that gives
 others fails.
 """
+import json
 import sys
 import unittest
 
@@ -505,6 +506,31 @@ class Verification(ProgramTest):
         self.about("skin_balloon", "as given, `load_steps=3`", 24)
         for n in (1, 2, 3):
             self.row(f"pressure at {stretch[n]:.4f} times its radius", f"{expected[n]:.0f} Pa", h["hollow_pressure"][n], 1e-3)
+
+    def limit_loads(self):
+        summary = json.loads((self.directory / "out/summary.json").read_text())
+        return [point["load_factor"] for point in summary["critical_points"] if point["kind"] != "bifurcation"]
+
+    def test_lees_frame(self):
+        self.history("lees_frame")
+        first, second = self.limit_loads()
+        self.about("lees_frame", "80 segments", 25)
+        self.row("first limit load", "1.8555 N", first, 2e-3)
+        self.row("second limit load", "-0.9415 N", second, 8e-3)
+
+    def test_balloon_path(self):
+        # The volume tells the radius, so that nodes off the sphere do not matter.
+        h = self.history("balloon_path")
+        stretch = (h["hollow_volume"] / (np.pi / 6 * 8e-3**3)) ** (1 / 3)
+
+        def pressure(a):
+            b = np.cbrt(10**3 + (8 * a) ** 3 - 8**3) / 10
+            return 3e5 * (2 / b + 1 / (2 * b**4) - 2 / a - 1 / (2 * a**4))
+
+        np.testing.assert_allclose(h["hollow_pressure"][2:], pressure(stretch[2:]), rtol=1e-3)
+        self.about("balloon_path", "as given", 26)
+        self.row("greatest pressure", f"{pressure(np.linspace(1, 3, 100001)).max():.0f} Pa", 1e5 * self.limit_loads()[0], 1e-3)
+        self.row(f"pressure at {stretch[-1]:.4f} times its inner radius", f"{pressure(stretch[-1]):.0f} Pa", h["hollow_pressure"][-1], 1e-3)
 
 
 if __name__ == "__main__":

@@ -144,6 +144,32 @@ TEST(StepControl, NamesTheVariableAsThePlanDoes) {
 }
 
 // Events lie between nominal times, on one (to rounding), close to one, and too close to the end to be one.
+TEST(StepControl, StepsAlongAPathAreAsLongAsAskedFor) {
+  StepPlan plan{0.0, 0.1, std::numeric_limits<double>::infinity(), 0.1 / 4.0};
+  plan.path = PathPlan{0.3};
+  plan.variable = {"path length", ""};
+  StepControl control(plan);
+  EXPECT_EQ(control.next().dt, 0.1);
+  control.accept_on_path(0.09, 2.0);  // it ended earlier than planned
+  EXPECT_EQ(control.next().dt, 0.2);
+  EXPECT_EQ(control.next().time, 0.09 + 0.2);
+  control.accept_on_path(0.29, 2.0);
+  EXPECT_EQ(control.next().dt, 0.3);
+  const RetryDecision decision = control.reject("it bends");
+  EXPECT_EQ(decision.retry, Retry::again);
+  EXPECT_EQ(decision.reason, "step of 0.3 from path length = 0.29 failed: it bends; trying 0.15");
+  control.accept_on_path(0.44, 0.25);
+  EXPECT_EQ(control.next().dt, 0.15 / 4.0);
+  control.accept_on_path(0.45, 0.25);
+  EXPECT_EQ(control.next().dt, plan.min_dt);
+  EXPECT_EQ(control.reject("it bends").retry, Retry::give_up);
+  EXPECT_FALSE(control.finished());
+  control.stop();
+  EXPECT_TRUE(control.finished());
+  // Whether it has ended under another plan is for others to say.
+  EXPECT_FALSE(StepControl(plan, under_plan(plan, control.progress())).finished());
+}
+
 TEST(StepControl, NominalStepsEndAtEventsToo) {
   const StepPlan plan{0.0, 0.1, 1.0, 1e-3, {0.05, 0.3, 0.42, 0.7000001, 1.0 - 1e-12}};
   StepControl control(plan);

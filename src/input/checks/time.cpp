@@ -110,4 +110,29 @@ void check_time(const TimeConfig& time, const InputNode& root, Diagnostics& diag
   check_events(time, *section, diagnostics);
 }
 
+void check_path(const Config& config, Diagnostics& diagnostics) {
+  if (!config.time.path || std::holds_alternative<MethodConfig::Unknown>(config.time.method.kind)) return;
+  const PathConfig& path = *config.time.path;
+  if (analysis_of(config.time) != Analysis::static_equilibrium) {
+    diagnostics.add(path.where, "'path' follows equilibria and needs 'method: static'; with '" +
+                                    method_name(config.time.method) + "' loads follow time");
+  }
+  if (config.contact) {
+    diagnostics.add(config.contact->where,
+                    "a path of equilibria cannot include contact, which makes it bend abruptly; remove 'contact', or "
+                    "'path'. A motion through contact and snapping needs a method in time, such as 'bdf2'");
+  }
+  if (config.solver.linear == LinearSolver::amg || config.solver.linear == LinearSolver::p_multigrid) {
+    diagnostics.add(path.where,
+                    "a path leads through states whose stiffness is not positive definite, which multigrid cannot "
+                    "solve; remove 'solver.linear', or choose 'cholesky'");
+  }
+  const double first = 1.0 / config.time.load_steps;
+  if (path.max_step && *path.max_step < first) {
+    diagnostics.add(path.where, "'max_step' of " + format_number(*path.max_step) +
+                                    " is smaller than the first step, 1 / load_steps = " + format_number(first) +
+                                    "; give more 'load_steps'");
+  }
+}
+
 }  // namespace pliant

@@ -137,6 +137,43 @@ Section<AdaptiveConfig> adaptive_keys() {
           &AdaptiveConfig::where};
 }
 
+Section<PathStopConfig> path_stop_keys() {
+  return {
+      {
+          field("column", &PathStopConfig::column, text(), "a column of history.csv, such as `apex_uz`").required(),
+          field("above", &PathStopConfig::above, coefficient(), "ends at the first step at or above this value, in SI"),
+          field("below", &PathStopConfig::below, coefficient(), "ends at the first step at or below this value, in SI"),
+      },
+      {{{"above", "below"}, KeyGroup::Need::at_least_one}},
+      &PathStopConfig::where};
+}
+
+Section<PathConfig> path_keys() {
+  return {
+      {
+          field("by", &PathConfig::by, choice_of<PathConfig::By>({{"arc-length", PathConfig::By::arc_length}}),
+                "what grows from step to step; `arc-length`: the length of the path in displacements and load "
+                "(Riks), which takes the steps around limit points")
+              .otherwise("arc-length"),
+          field("max_load", &PathConfig::max_load, quantity("1", Range::above(0)),
+                "load factor at which the path ends, and exactly there")
+              .otherwise("1"),
+          field("min_load", &PathConfig::min_load, quantity("1", Range{-infinity, 0, Range::Ends::excluded}),
+                "negative load factor at which the path ends, and exactly there")
+              .otherwise_in_words("none"),
+          field("max_step", &PathConfig::max_step, quantity("1", Range::above(0)),
+                "longest step along the path, whose length is measured as the load factor is while the response is "
+                "linear")
+              .otherwise_in_words("10 / load_steps"),
+          field("max_steps", &PathConfig::max_steps, integer(Range::from_to(1, 1e6)), "most steps").otherwise("500"),
+          field("stop", &PathConfig::stop, list_of(map_of(path_stop_keys()), 1),
+                "further conditions, each on a number of the history; the path ends at the first step that meets "
+                "one"),
+      },
+      {},
+      &PathConfig::where};
+}
+
 }  // namespace
 
 std::vector<std::string> time_methods() {
@@ -158,9 +195,15 @@ Section<TimeConfig> time_keys() {
       field("end", &TimeConfig::end, quantity("s", Range::at_least(0)),
             "end of the simulation; for `static` the time at which formulas are evaluated")
           .otherwise_in_words("none; `static`: 0"),
-      field("load_steps", &TimeConfig::load_steps, integer(Range::from_to(1, 1e6)),
-            "for `static`: loads and prescribed displacements grow to their values in this many equal parts")
+      field(
+          "load_steps", &TimeConfig::load_steps, integer(Range::from_to(1, 1e6)),
+          "for `static`: loads and prescribed displacements grow to their values in this many equal parts; with `path` "
+          "the first step adds one of them, by default one of 20")
           .otherwise("1"),
+      field("path", &TimeConfig::path, map_of(path_keys()),
+            "for `static`: follows the path of equilibria through limit points, where the load factor turns back "
+            "(snap-through, ballooning); `{}` takes the defaults")
+          .otherwise_in_words("none: the load factor grows"),
       field("startup", &TimeConfig::startup, choice_of<Startup>({{"ramp", Startup::ramp}, {"dirk33", Startup::dirk33}}),
             "how a method with several past states starts; `ramp`: with the methods of fewer states, which costs bdf3 "
             "one order; `dirk33`: with that method")

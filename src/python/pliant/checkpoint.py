@@ -20,7 +20,7 @@ class Checkpoint:
         if text(attributes.get("format", "")) != "pliant-checkpoint":
             raise PliantError(f"{self.file} is not a checkpoint of Pliant")
         self.step = int(attributes["step"])
-        self.time = float(attributes["time"])  #: [s]; of a static run the load factor
+        self.time = float(attributes["time"])  #: [s]; of a static run the load factor, or the length of its path
         self.title = text(attributes["title"])
         self.ranks = int(attributes["ranks"])  #: that wrote it
         self.program = text(attributes["program"])

@@ -57,7 +57,7 @@ class History(Mapping[str, np.ndarray]):
 
     @property
     def time(self) -> np.ndarray:
-        """[s]; of a static run the load factor."""
+        """[s]; of a static run the load factor, or the length of its path."""
         return self["time"]
 
     def vector(self, name: str) -> np.ndarray:

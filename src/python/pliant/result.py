@@ -106,7 +106,7 @@ class Frame:
         group = result.h5["frames"][name]
         self.result = result
         self.name = name  #: its group in result.h5: "000012"
-        self.time = float(group.attrs["time"])  #: [s]; of a static run the load factor
+        self.time = float(group.attrs["time"])  #: [s]; of a static run the load factor, or the length of its path
         self.step = int(group.attrs["step"])
         self.label = text(group.attrs.get("label", ""))  #: "mode 3, 12.4 Hz" where a frame is a mode; else empty
         self.mesh_group = text(group.attrs.get("mesh", "/mesh"))
@@ -289,7 +289,7 @@ class Result(Sequence[Frame]):
 
     @property
     def times(self) -> np.ndarray:
-        """Of the frames [s]; of a static run load factors."""
+        """Of the frames [s]; of a static run load factors, or lengths of its path."""
         return np.array([frame.time for frame in self.frames])
 
     def at(self, time: float) -> Frame:

@@ -107,7 +107,7 @@ class SavedState:
 
     def __init__(self, token: Any, time: float, step: int) -> None:
         self._token = token
-        self.time = time  #: [s]; of a static problem the load factor
+        self.time = time  #: [s]; of a static problem the load factor, or the length of its path
         self.step = step
 
     def __repr__(self) -> str:
@@ -249,7 +249,7 @@ class Simulation:
 
     @property
     def time(self) -> float:
-        """At the end of the last step [s]; of a static problem the load factor."""
+        """At the end of the last step [s]; of a static problem the load factor, or the length of its path."""
         return self._ask("time")
 
     @property

@@ -121,12 +121,16 @@ def _typeset(unit):
     return re.sub(r"\^(-?\d+)", lambda match: _superscript(match[1]), unit).replace("*", "·")
 
 
-def instants_as_text(frames):
-    """Times with as many decimals as distinguish neighbouring frames, in a handy unit; of frames that have labels, these."""
+def instants_as_text(frames, counted=""):
+    """Times with as many decimals as distinguish neighbouring frames, in a handy unit; of frames that have labels, these.
+
+    `counted`: what takes the place of time, which has no unit."""
     times = np.array([frame.time for frame in frames])
     last = abs(times).max()
-    factor, unit = (1, "s") if last >= 0.1 or last == 0 else (1e3, "ms") if last >= 1e-4 else (1e6, "µs")
+    factor, unit = (1, "s") if last >= 0.1 or last == 0 or counted else (1e3, "ms") if last >= 1e-4 else (1e6, "µs")
     times = times * factor
     gap = np.diff(np.unique(times)).min() if len(np.unique(times)) > 1 else max(abs(times).max(), 1) / 100
     decimals = int(np.clip(np.ceil(-np.log10(gap) + 0.001), 0, 6))
+    if counted:
+        return [frame.label or f"{counted} {t:.{decimals}f}" for frame, t in zip(frames, times)]
     return [frame.label or f"t = {t:.{decimals}f} {unit}" for frame, t in zip(frames, times)]

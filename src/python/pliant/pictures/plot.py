@@ -8,6 +8,7 @@ from matplotlib import pyplot as plt
 
 from pliant import History, PliantError, Result
 
+from .analysis import counted
 from .command_line import Parser, exit_code
 
 COLOURS = ["#3b6fb6", "#d1603d", "#3f9c6b", "#8a63b8", "#c79a2b", "#4aa5b5", "#b5507c", "#6d7580"]
@@ -71,6 +72,39 @@ def draw_probes(axes, time, history, probes):
     show_legend(axes)
 
 
+def ways(history):
+    """What a path moves, by name: of each probe the component of its displacement that changes most, with the sign that it
+    has at the end; of cavities the volume."""
+    found = {}
+    for probe in triples(history, ("_ux", "_uy", "_uz")):
+        axis = max("xyz", key=lambda k: np.ptp(history[f"{probe}_u{k}"]))
+        moved = history[f"{probe}_u{axis}"]
+        sign = "-" if moved[-1] < 0 else ""
+        found[f"{sign}u{axis} of {probe} [m]"] = -moved if sign else moved
+    found |= {f"volume of {name.removesuffix('_volume')} [m³]": history[name] for name in history
+              if name.endswith("_volume") and name.replace("_volume", "_pressure") in history}
+    return {name: values for name, values in found.items() if changes(values)}
+
+
+def draw_path(axes, history, name, values):
+    """The load factor over what it moves; parts that are unstable are dashed."""
+    load = history["load_factor"]
+    axes.set_title("Load")
+    unstable = np.nan_to_num(history["unstable_modes"]) > 0 if "unstable_modes" in history else np.zeros(len(load), bool)
+    # A step belongs to the state that it leads to.
+    for state, style in ((False, "-"), (True, "--")):
+        for k in np.flatnonzero(unstable[1:] == state):
+            axes.plot(values[k:k + 2], load[k:k + 2], style, color=COLOURS[0], dash_capstyle="round")
+    axes.plot(values, load, ".", color=COLOURS[0], markersize=4)
+    if unstable.any():
+        axes.plot([], [], "-", color=COLOURS[0], label="stable")
+        axes.plot([], [], "--", color=COLOURS[0], label="unstable")
+        show_legend(axes)
+    axes.axhline(0, color="#8b919b", linewidth=0.8)
+    axes.set_ylabel("load factor")
+    axes.set_xlabel(name)
+
+
 def draw_forces(axes, time, history, names):
     axes.set_title("Forces of obstacles and constraints")
     for name in names:
@@ -106,14 +140,14 @@ def draw_iterations(axes, time, history):
 
 
 def draw_time_step(axes, time, history):
-    axes.set_title("Time step")
+    axes.set_title("Step" if "load_factor" in history else "Time step")
     step = history["dt"][1:]
     axes.step(time[1:], step, where="mid", color=COLOURS[2])
     if np.all(step > 0) and step.max(initial=0) > 20 * step.min(initial=np.inf):
         axes.set_yscale("log")
     else:
         axes.set_ylim(0, step.max(initial=1e-300) * 1.15)
-    axes.set_ylabel("dt [s]")
+    axes.set_ylabel("dt [s]" if "load_factor" not in history else "dt")
 
 
 def words(field):
@@ -156,16 +190,21 @@ def panels(history, taken):
     return chosen
 
 
-def draw(history, title, taken):
-    drawings = panels(history, taken)
+LABELS = {"path": "length of the path", "load": "load factor", "": "time [s]"}
+
+
+def draw(history, title, taken, counts=""):
+    along = list(ways(history).items()) if "load_factor" in history else []
+    drawings = [lambda axes, time, h, way=way: draw_path(axes, h, *way) for way in along[:4]] + panels(history, taken)
     num_rows = max(1, -(-len(drawings) // 2))
     figure, grid = plt.subplots(num_rows, 2, figsize=(12, 0.5 + 2.9 * num_rows), squeeze=False, layout="constrained")
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)
     figure.suptitle(title, x=0.012, ha="left", fontsize=13, fontweight="bold")
     for axes, drawing in zip(grid.flat, drawings):
         drawing(axes, history["time"], history)
-        axes.margins(x=0.01)
-        axes.set_xlabel("time [s]")
+        if not axes.get_xlabel():
+            axes.margins(x=0.01)
+            axes.set_xlabel(LABELS[counts])
     for axes in grid.flat[len(drawings):]:
         axes.remove()
     return figure
@@ -195,7 +234,8 @@ def main(arguments, program):
         directory = os.path.dirname(os.path.abspath(history.file))
         file = options.output or os.path.join(directory, "history.png")
         with plt.rc_context(STYLE):
-            draw(history, title_of(directory), columns_from_fields(directory)).savefig(file, dpi=150)
+            figure = draw(history, title_of(directory), columns_from_fields(directory), counted(directory))
+            figure.savefig(file, dpi=150)
         print(file)
 
     return exit_code(program, work, PliantError, options.output, ".png, .pdf or .svg")

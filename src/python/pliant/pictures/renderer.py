@@ -1,6 +1,7 @@
 """Frames of a result as pictures, all with the same camera and colour scale."""
 import numpy as np
 
+from .analysis import counted
 from .camera import fitted_camera
 from .page import Page, instants_as_text
 from .scene import Scene
@@ -16,7 +17,7 @@ class Renderer:
         self._scenes = {}
         title = options.title if options.title is not None else result.title
         self._page = Page(options.size, title, shown.quantity, shown.colours)
-        self._instants = dict(zip((frame.name for frame in result.frames), instants_as_text(result.frames)))
+        self._instants = dict(zip((frame.name for frame in result.frames), instants_as_text(result.frames, counted(result.directory))))
         clouds = [*shown.clouds(), *shown.near_obstacles()]
         clouds += [mechanisms.cloud() for mechanisms in map(shown.mechanisms, shown.sample()) if mechanisms is not None]
         self._camera = fitted_camera(options.view, clouds, self._page.scene_size)

@@ -1,0 +1,57 @@
+#include "run/solver_setup.hpp"
+
+#include "input/analysis.hpp"
+#include "solver/newton.hpp"
+#include "solver/petsc_method.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// Newton's tolerance relative to adaptive.relative: its residual must not be mistaken for an error of the steps.
+constexpr double part_left_by_newton = 1e-4;
+
+/// Whether multigrid may take the place of a factorization. In statics and near barriers, the factorization shows
+/// whether a Hessian is definite.
+bool may_adapt_linear_solver(const Config& config, Model& model) {
+  const StageEquation& equation = model.equation();
+  return analysis_of(config) == Analysis::dynamic && find_petsc_method(method_name(config.time.method)) == nullptr &&
+         equation.symmetry() != Symmetry::indefinite && !equation.has_walls() && equation.num_rank_one() == 0;
+}
+
+}  // namespace
+
+NewtonOptions newton_options(const Config& config) {
+  const auto& newton = config.solver.newton;
+  const auto& adaptive = config.time.adaptive;
+  const double relative =
+      adaptive ? std::min(newton.relative, part_left_by_newton * adaptive->relative) : newton.relative;
+  const auto slenderness = config.rods.empty() ? Slenderness::none : Slenderness::some;
+  return {relative, newton.absolute, newton.max_iterations, slenderness};
+}
+
+LinearKind linear_kind(const Config& config, Model& model) {
+  switch (config.solver.linear) {
+    case LinearSolver::cholesky:
+      return LinearKind::cholesky;
+    case LinearSolver::amg:
+      return LinearKind::amg;
+    case LinearSolver::p_multigrid:
+      return LinearKind::p_multigrid;
+    case LinearSolver::automatic:
+      break;
+  }
+  if (config.volumetric == VolumetricTreatment::mixed) return LinearKind::cholesky;  // the matrix is indefinite
+  const NodeLayout& layout = model.layout();
+  return automatic_linear_kind(3 * layout.num_global_nodes, layout.order, may_adapt_linear_solver(config, model));
+}
+
+std::string description_of_solver(const Config& config, Model& model) {
+  return fmt::format("solver: {}{}", describe(model.equation(), linear_kind(config, model)),
+                     model.constraints().map() != nullptr ? ", in the unknowns that constraints leave free" : "");
+}
+
+}  // namespace pliant
