@@ -143,6 +143,7 @@ CommandLine::CommandLine(MPI_Comm comm, const SweepOptions& of_sweep)
   add_sensitivity();
   add_fit();
   add_mesh();
+  add_convert();
   add_methods();
   add_materials();
   add_schema();

@@ -66,7 +66,7 @@ sim.run(); print(sim.done, _pliant.__file__)""")
             self.assertEqual(run(self.prefix / "bin/pliant", command, out), f"{out / file}\n")
             self.assertEqual((out / file).read_bytes()[:4], b"\x89PNG")
         # With the code that was installed, not that of the sources.
-        code = self.prefix / "lib/python3/dist-packages/pliant/pictures/start.py"
+        code = self.prefix / "lib/python3/dist-packages/pliant/start.py"
         os.rename(code, code.with_suffix(".away"))
         self.addCleanup(os.rename, code.with_suffix(".away"), code)
         with self.assertRaisesRegex(AssertionError, f"returned 4\npliant plot: its Python code is missing: '{code}'"):
@@ -121,7 +121,7 @@ sim.run(); print(sim.done, _pliant.__file__)""")
             self.assertTrue(any(name.startswith(start) for name in needed), f"{start} is not among {needed}")
         self.assertLessEqual({"/usr/bin/pliant", "/usr/lib/pliant/libpliant_gmsh.so", "/usr/share/pliant/input/gripper_finger.yaml",
                               "/usr/share/pliant/meshes/gripper_finger.geo", "/usr/share/pliant/docs/index.md",
-                              "/usr/lib/python3/dist-packages/pliant/__init__.py", "/usr/lib/python3/dist-packages/pliant/pictures/start.py",
+                              "/usr/lib/python3/dist-packages/pliant/__init__.py", "/usr/lib/python3/dist-packages/pliant/start.py",
                               "/usr/share/doc/pliant/copyright"}, content(of_program))
         self.assertTrue(any(file.startswith("/usr/lib/python3/dist-packages/_pliant.") for file in content(of_program)))
 
