@@ -106,7 +106,7 @@ def read_time(root, model, diagnostics):
             for node in control.each(tag):
                 node.use()
     if len(set(dynamic)) > 1:
-        diagnostics.note(controls[1].line, "some steps are static and some dynamic: an input has one method, the dynamic one")
+        diagnostics.missing(controls[1].line, "some steps are static and some dynamic: an input has one method, here a dynamic one for all")
     method = "implicit-midpoint" if any(dynamic) else "quasistatic"
     model.time = {"method": method, "step": Quantity(min(sizes), TIME), "end": Quantity(model.end, TIME)}
     return any(dynamic)

@@ -23,7 +23,7 @@ class FebioConditions:
             start = self.model.step_ends[k - 1] if k else 0.0
             self.window = (start, self.model.step_ends[k]) if len(steps) > 1 else None
             if self.window and k == 0 and step.child("Boundary") is not None:
-                self.diagnostics.note(step.line, "displacements prescribed in the first step remain prescribed in the later ones")
+                self.diagnostics.missing(step.line, "displacements prescribed in the first step are released in the next one, and remain prescribed here")
             self.read_sections(step)
         add_prescribed(self.model, self.diagnostics, self.prescribed, Quantity)
         self.model.nodal_forces = [(name, [components.get(c) for c in range(3)]) for name, components in self.forces.items()]
@@ -35,17 +35,17 @@ class FebioConditions:
                     read(child)
 
     # ------------------------------------------------------------------ values
-    def course(self, node, scale=1.0):
-        """The value of an element with its load curve; None if it cannot be written."""
+    def course(self, node, scale=1.0, is_load=True):
+        """The value of an element with its load curve; None if it cannot be written. Loads act in their step only."""
         node.use()
         try:
             value = float(node.text or 1) * scale
         except ValueError:
             self.diagnostics.missing(node.line, f"<{node.tag}> is not a number but '{node.text[:40]}': write the formula into the input")
             return None
-        return self.follow(node, value)
+        return self.follow(node, value, is_load)
 
-    def follow(self, node, value):
+    def follow(self, node, value, is_load=True):
         curve = node.get("lc")
         if curve in ("", "0"):
             course = Course.constant(value)
@@ -58,7 +58,7 @@ class FebioConditions:
             if repeats and course.segments[-1].end < self.model.end:
                 self.diagnostics.missing(node.line, f"the load curve {curve} repeats: write its formula of t into the input")
             course = course.scaled(value)
-        return course if self.window is None else self.windowed(course)
+        return self.windowed(course) if self.window and is_load else course
 
     def windowed(self, course):
         """Zero outside the step."""
@@ -117,7 +117,7 @@ class FebioConditions:
         letters = self.letters(node, dof.text if dof is not None else node.get("bc"))
         if relative is not None and relative.text not in ("0", ""):
             self.diagnostics.note(node.line, "a displacement relative to the one at the start of its step is taken from the undeformed shape")
-        course = self.course(value) if value is not None else Course.constant(0.0)
+        course = self.course(value, is_load=False) if value is not None else Course.constant(0.0)
         if course is not None:
             self.prescribe(node, name, letters, course)
 
@@ -129,8 +129,9 @@ class FebioConditions:
                 if c not in components:
                     self.diagnostics.missing(node.line, f"a displacement of {name} that is prescribed from t = {self.window[0]:g} on: constraints hold from the start")
                     continue
-                course = components[c].within(0.0, self.window[0]).followed_by(course.within(*self.window))
-            components[c] = course
+                components[c] = components[c].within(0.0, self.window[0]).followed_by(course.within(*self.window))
+            else:
+                components[c] = course.within(*self.window) if self.window else course
         if not components:
             del self.prescribed[name]
 
