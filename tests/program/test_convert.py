@@ -4,6 +4,7 @@
 The models here are written by the test: one brick, or a few. Files of the programs' own test suites were converted too (docs/from-other-programs.md).
 """
 import math
+import re
 import unittest
 
 import numpy as np
@@ -182,6 +183,25 @@ class Convert(ProgramTest):
     def test_laws_of_febio(self):
         text = febio_cubes([constants for constants, _ in FEBIO.values()], febio_pull(len(FEBIO)))
         self.check_laws("cubes.feb", text, {law: energy for law, (_, energy) in FEBIO.items()})
+
+    def test_versions_of_febio(self):
+        """The same model as versions 3 and 2.5 have it."""
+        newest = febio_cubes([("neo-Hookean", "<density>1</density><E>1e6</E><v>0.3</v>")], febio_pull(1),
+                             '<surface_load type="pressure" surface="end1"><pressure lc="1">4</pressure></surface_load>\n')
+        third = re.sub(r'<NodeSet name="(\w+)">([\d,]+)</NodeSet>', lambda m: f'<NodeSet name="{m[1]}">' + "".join(f'<n id="{n}"/>' for n in m[2].split(",")) + "</NodeSet>", newest)
+        third = re.sub(r'<bc type="zero displacement" node_set="(\w+)"><(\w)_dof>1</\w_dof></bc>', r'<bc type="fix" node_set="\1"><dofs>\2</dofs></bc>', third)
+        third = third.replace('type="prescribed displacement"', 'type="prescribe"').replace("<value lc", "<scale lc").replace("0.4</value>", "0.4</scale>")
+        third = third.replace('version="4.0"', 'version="3.0"').replace("<pt>", "<point>").replace("</pt>", "</point>")
+        second = third.replace('version="3.0"', 'version="2.5"').replace("<Mesh>", "<Geometry>").replace("</Mesh>", "</Geometry>")
+        second = re.sub(r"(?s)<MeshDomains>.*</MeshDomains>", "", second).replace('<Elements type="hex8" name="cube1">', '<Elements type="hex8" name="cube1" mat="1">')
+        second = re.sub(r'<bc type="fix" node_set="(\w+)"><dofs>(\w)</dofs></bc>', r'<fix bc="\2" node_set="\1"/>', second)
+        second = re.sub(r'<bc type="prescribe" node_set="(\w+)"><dof>(\w)</dof>(.*)</bc>', r'<prescribe bc="\2" node_set="\1">\3</prescribe>', second)
+        second = re.sub(r'<load_controller id="1" .*?<points>(.*)</points></load_controller>', r'<loadcurve id="1" type="linear" extend="constant">\1</loadcurve>', second)
+        second = second.replace("<analysis>STATIC</analysis>", '<analysis type="static"/>')
+        configs = [self.convert("cubes.feb", text)[0] for text in (newest, third, second)]
+        self.assertEqual(configs[0]["constraints"][-1], {"surface": "right1", "displacement": ["0.4*t", "free", "free"]})
+        self.assertEqual(configs[0], configs[1])
+        self.assertEqual(configs[0], configs[2])
 
     def test_relaxation(self):
         """Prony series: of Abaqus relative to fast motion, of FEBio to the state at rest."""

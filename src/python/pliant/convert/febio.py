@@ -142,6 +142,6 @@ def list_the_rest(root, diagnostics):
         reason = SUMMARISED.get(node.tag, "")
         if node.tag == "Globals" and all(constant.text in ("0", "") for constants in node.children for constant in constants.children):
             continue
-        if not node.children and node.text in ("", "0") and not node.attributes:
+        if node.tag == "symmetric_stiffness" or not node.children and node.text in ("", "0") and not node.attributes:
             continue
         diagnostics.omit(node.line, f"<{node.tag}{f' type={kind}' if kind else ''}{f' name={name}' if name else ''}>" + (f": {reason}" if reason else ""))
