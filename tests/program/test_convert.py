@@ -3,14 +3,24 @@
 
 The models here are written by the test: one brick, or a few. Files of the programs' own test suites were converted too (docs/from-other-programs.md).
 """
+import contextlib
+import io
 import math
+import os
+import random
 import re
+import sys
 import unittest
 
 import numpy as np
 import yaml
 
-from program import ProgramTest, read_history
+from program import LONG, ROOT, ProgramTest, read_history
+
+sys.path.insert(0, str(ROOT / "src/python"))
+
+from pliant import PliantError  # noqa: E402
+from pliant.convert import convert as converter  # noqa: E402
 
 BRICK = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
 SIDES = {"left": (1, 4, 5, 8), "front": (1, 2, 5, 6), "bottom": (1, 2, 3, 4), "right": (2, 3, 6, 7)}
@@ -328,6 +338,32 @@ class Convert(ProgramTest):
         self.assertEqual((done.returncode, (self.directory / "cube.yaml").read_text()), (2, "mine"))
         self.assertIn("cube.yaml exists: name another file with --output, or replace it with --force", done.stderr)
         self.assertEqual(self.call("convert", "cube.inp", "-o", "missing/cube.yaml").returncode, 4)
+
+    def test_damaged_files(self):
+        """Whatever stands in a file, it is converted, or refused with an exception that has its name."""
+        models = {"x.inp": abaqus_cubes([material for material, _ in ABAQUS.values()][:3], pulled(2) + "*DLOAD\ncube1, P4, 2e-3\n*CLOAD\nright3, 1, 1.\n",
+                                        "*AMPLITUDE, NAME=a\n0, 0, 1, 1\n*NSET, NSET=g, GENERATE\n9, 30, 1\n*TIE, NAME=t\nend1, end2\n"),
+                  "x.feb": febio_cubes([constants for constants, _ in FEBIO.values()][:3], febio_pull(2),
+                                       '<surface_load type="pressure" surface="end1"><pressure lc="1">4</pressure></surface_load>\n')}
+        some, refused = random.Random(7), 0
+        self.addCleanup(os.chdir, os.getcwd())
+        os.chdir(self.directory)
+        for _ in range(2000 if LONG else 150):
+            name = some.choice(list(models))
+            lines = models[name].split("\n")
+            for _ in range(some.randint(1, 3)):
+                i = some.randrange(len(lines))
+                at = some.randrange(len(lines[i]) + 1)
+                lines[i] = some.choice(["", lines[some.randrange(len(lines))], lines[i][:at] + some.choice("0-,.*=<>/aZ\"9e") + lines[i][at + 1:], lines[i][:at],
+                                        lines[i].replace(some.choice("0123456789"), some.choice(["", "-1", "nan", "1e999", "999999999999", "x"]))])
+            self.write(name, "\n".join(lines))
+            with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+                try:
+                    converter.convert(converter.parser_of("pliant convert").parse_args([name, "--force"]))
+                except PliantError as error:
+                    self.assertTrue(str(error).startswith(name), error)
+                    refused += 1
+        self.assertGreater(refused, 50)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """The cards of an input file of Abaqus or CalculiX."""
 import dataclasses
 import os
+import re
 
 from pliant.error import PliantError
 
@@ -77,10 +78,7 @@ def real(entries, index, line, diagnostics, what, default=None):
     text = entries[index] if index < len(entries) else ""
     if not text and default is not None:
         return default
-    try:
-        return float(text.upper().replace("D", "E"))
-    except ValueError:
-        raise diagnostics.wrong(line, f"{what} is missing or not a number: '{text}'") from None
+    return diagnostics.number(re.sub("[dD]", "e", text), line, what)  # Fortran's exponents
 
 
 def whole(text, line, diagnostics, what):

@@ -5,7 +5,7 @@ D1 is 2 over the bulk modulus, and the energy of a change of volume (J - 1)^2/D1
 """
 import dataclasses
 
-from .abaqus_deck import real
+from .abaqus_deck import real, whole
 from .model import DENSITY, RATE, STRESS, TIME, Quantity, lame, poisson_of
 
 POISSON_OF_CALCULIX = 0.475  # where D1 is 0
@@ -94,7 +94,7 @@ class AbaqusMaterials:
         if not known and others:
             self.diagnostics.missing(card.line, f"{card.title}, {others[0]}: there is no such law; the nearest are under `pliant materials`")
             return
-        names[known[0] if known else "POLYNOMIAL"](card, int(card.value("N") or 1))
+        names[known[0] if known else "POLYNOMIAL"](card, whole(card.value("N") or "1", card.line, self.diagnostics, "N"))
 
     def set_law(self, card, model, constants, shear, compliances, volumetric="quadratic"):
         """`compliances`: D1, D2, ..."""
@@ -175,9 +175,9 @@ class AbaqusMaterials:
     def read_damping(self, card):
         for name, value in card.parameters.items():
             if name == "ALPHA":
-                self.current.viscosity.append({"model": "mass-proportional", "decay_rate": Quantity(float(value), RATE)})
+                self.current.viscosity.append({"model": "mass-proportional", "decay_rate": Quantity(self.diagnostics.number(value, card.line, name), RATE)})
             elif name == "BETA":
-                self.current.viscosity.append({"model": "stiffness-proportional", "time": Quantity(float(value), TIME)})
+                self.current.viscosity.append({"model": "stiffness-proportional", "time": Quantity(self.diagnostics.number(value, card.line, name), TIME)})
             else:
                 self.diagnostics.omit(card.line, f"{card.title}, {name}")
 

@@ -150,6 +150,8 @@ class AbaqusMesh:
         for line, entries in card.data:
             if card.has("GENERATE"):
                 first, last, step = (whole(entries[k] if k < len(entries) and entries[k] else "1", line, self.diagnostics, "a limit of the set") for k in range(3))
+                if (last - first) // max(step, 1) > len(table):
+                    raise self.diagnostics.wrong(line, "the range has more numbers than the file has nodes or elements before it")
                 if not in_own_numbers:
                     members += [table[label] for label in range(first, last + 1, max(step, 1)) if label in table]
                 continue

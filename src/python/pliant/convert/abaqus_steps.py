@@ -33,7 +33,7 @@ class AbaqusSteps:
         self.faces = {}  # of a pressure on elements
         self.velocities = []
         self.start = self.end = 0.0
-        self.in_step = self.is_nonlinear = self.skipped = self.has_amplitudes = False
+        self.in_step = self.is_nonlinear = self.step_is_nonlinear = self.skipped = self.has_amplitudes = False
         self.kind, self.num_steps, self.increment, self.procedure_read = None, 0, 0.0, False
         self.handlers = {"AMPLITUDE": self.read_amplitude, "BOUNDARY": self.read_boundary, "CLOAD": self.read_forces, "DLOAD": self.read_loads,
                          "DSLOAD": self.read_loads, "INITIALCONDITIONS": self.read_initial, "TIE": self.read_tie, "STEP": self.begin_step,
@@ -76,6 +76,8 @@ class AbaqusSteps:
         if self.kind not in (None, kind):
             self.skip(card, f"an input has one method, and the steps before are {self.kind}")
             return
+        if not self.in_step:
+            raise self.diagnostics.wrong(card.line, f"{card.title} stands outside of a step (*STEP)")
         self.kind = kind
         entries = card.data[0][1] if card.data else []
         line = card.data[0][0] if card.data else card.line
@@ -240,7 +242,7 @@ class AbaqusSteps:
                 continue
             keys = {"tied_to": independent}
             if card.value("POSITIONTOLERANCE"):
-                keys["tolerance"] = Quantity(float(card.value("POSITIONTOLERANCE")), LENGTH)
+                keys["tolerance"] = Quantity(self.diagnostics.number(card.value("POSITIONTOLERANCE"), card.line, "the tolerance"), LENGTH)
             self.model.constraints.append((Selection("face", dependent), keys))
 
     # ------------------------------------------------------------------ the input

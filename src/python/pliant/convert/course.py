@@ -35,6 +35,8 @@ class Course:
         if len(points) == 1:
             return Course.constant(points[0][1])
         pairs = [(p, q) for p, q in zip(points, points[1:]) if q[0] > p[0]]
+        if not pairs:
+            return Course.constant(points[-1][1])
         return Course(tuple(Segment(p[0], q[0], q[1] if interpolation == "step" else p[1], q[1], interpolation == "smooth") for p, q in pairs))
 
     def at(self, t):

@@ -56,7 +56,7 @@ def read_curves(root, diagnostics):
         node.use()
         is_table = node.tag == "loadcurve" or node.get("type") == "loadcurve"
         points = node if node.tag == "loadcurve" else node.child("points")
-        pairs = [tuple(float(x) for x in point.text.split(",")) for point in (points.children if points else ()) if point.tag in ("point", "pt", "loadpoint")]
+        pairs = [pair_of(point, diagnostics) for point in (points.children if points else ()) if point.tag in ("point", "pt", "loadpoint")]
         if not is_table or not pairs:
             diagnostics.missing(node.line, f"load controller {node.get('id')} of the type '{node.get('type')}': write its formula of t into the input; "
                                 "conditions with it are left out")
@@ -73,6 +73,13 @@ def read_curves(root, diagnostics):
             course = Course((*course.segments, Segment(last.end, far, last.last, last.last + 1e6 * (last.last - last.first))))
         curves[node.get("id")] = (course, extend if extend in ("REPEAT", "REPEAT OFFSET") else "")
     return curves
+
+
+def pair_of(point, diagnostics):
+    numbers = [diagnostics.number(part, point.line, "a number of the load curve") for part in point.text.split(",")]
+    if len(numbers) != 2:
+        raise diagnostics.wrong(point.line, f"a point of a load curve has a time and a value, not '{point.text[:40]}'")
+    return tuple(numbers)
 
 
 def setting(node, child, attribute, default):
@@ -94,11 +101,13 @@ def read_time(root, model, diagnostics):
         raise diagnostics.wrong(root.line, "the model has no Control")
     sizes, dynamic = [], []
     for control in controls:
-        number = {tag: float(control.child(tag).text) if control.child(tag) is not None else default
+        number = {tag: diagnostics.number(control.child(tag).text, control.line, tag) if control.child(tag) is not None else default
                   for tag, default in (("time_steps", 1.0), ("step_size", 1.0))}
         analysis = control.child("analysis")
         kind = ((analysis.get("type") or analysis.text) if analysis is not None else "static").lower()
         dynamic.append(kind in ("dynamic", "transient", "1"))
+        if min(number.values()) <= 0:
+            raise diagnostics.wrong(control.line, "time_steps and step_size must be above 0")
         sizes.append(number["step_size"])
         model.step_ends.append(model.end + number["time_steps"] * number["step_size"])
         model.end = model.step_ends[-1]

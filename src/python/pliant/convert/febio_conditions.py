@@ -1,4 +1,6 @@
 """Boundary conditions, loads and initial conditions of FEBio."""
+import math
+
 from .conditions import add_prescribed, inward_faces, normal_of
 from .course import Course, Segment
 from .model import ACCELERATION, LENGTH, STRESS, VELOCITY, Quantity, Selection
@@ -41,6 +43,8 @@ class FebioConditions:
         try:
             value = float(node.text or 1) * scale
         except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
             self.diagnostics.missing(node.line, f"<{node.tag}> is not a number but '{node.text[:40]}': write the formula into the input")
             return None
         return self.follow(node, value, is_load)
@@ -76,7 +80,7 @@ class FebioConditions:
             return None
         try:
             numbers = [float(x) for x in child.use().text.split(",")]
-            if len(numbers) == 3:
+            if len(numbers) == 3 and all(map(math.isfinite, numbers)):
                 return numbers
         except ValueError:
             pass
@@ -212,7 +216,7 @@ class FebioConditions:
         name, dof, scale = self.nodes(node), node.child("dof"), node.child("scale") or node.child("value")
         letters = self.letters(node, dof.text if dof is not None else node.get("bc"))
         factor = node.child("value") if node.child("scale") is not None else None
-        course = self.course(scale, float(factor.text) if factor is not None and factor.text else 1.0) if scale is not None else None
+        course = self.course(scale, self.diagnostics.number(factor.text, factor.line, "value") if factor is not None and factor.text else 1.0) if scale is not None else None
         if name is not None and course is not None:
             for letter in letters:
                 self.add_force(name, COMPONENTS[letter], course)

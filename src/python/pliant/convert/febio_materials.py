@@ -50,10 +50,13 @@ class FebioMaterials:
         if child.get("lc") not in ("", "0"):
             self.diagnostics.note(child.line, f"{tag} of a material follows a load curve: its constant is used")
         try:
-            return float(child.text)
+            value = float(child.text)
         except ValueError:
-            self.diagnostics.missing(child.line, f"{tag} is not a number but '{child.text[:40]}': write the formula of x, y, z into the input")
-            return default
+            value = math.nan
+        if math.isfinite(value):
+            return value
+        self.diagnostics.missing(child.line, f"{tag} is not a number but '{child.text[:40]}': write the formula of x, y, z into the input")
+        return default
 
     def young_and_poisson(self, body, node, model):
         young, poisson = self.number(node, "E"), self.number(node, "v")
@@ -140,7 +143,7 @@ class FebioMaterials:
         if axis.get("type") != "vector":
             self.diagnostics.missing(axis.use().line, f"material {node.get('name')}: mat_axis of the type {axis.get('type')}: give `fibre` and `fibre2`")
             return None
-        a, d = ([float(x) for x in axis.child(tag).text.split(",")] for tag in ("a", "d"))
+        a, d = ([self.diagnostics.number(x, axis.line, "a number of mat_axis") for x in axis.child(tag).text.split(",")] for tag in ("a", "d"))
         length = math.sqrt(sum(x * x for x in a))
         a = [x / length for x in a]
         along = sum(x * y for x, y in zip(a, d))

@@ -54,12 +54,9 @@ class FebioMesh:
     def read_nodes(self, nodes, points):
         rows = []
         for node in nodes.each("node"):
-            try:
-                x = [float(part) for part in node.text.split(",")]
-                if len(x) != 3:
-                    raise ValueError
-            except ValueError:
-                raise self.diagnostics.wrong(node.line, f"three coordinates are expected, not '{node.text}'") from None
+            x = [self.diagnostics.number(part, node.line, "a coordinate") for part in node.text.split(",")]
+            if len(x) != 3:
+                raise self.diagnostics.wrong(node.line, f"three coordinates are expected, not '{node.text[:60]}'")
             rows.append(len(points))
             self.row_of_node[self.whole(node.get("id"), node.line)] = len(points)
             points.append(x)

@@ -1,5 +1,6 @@
 """A model of another program as an input of Pliant can hold it, in the units of the model."""
 import dataclasses
+import math
 import os
 from typing import Any
 
@@ -27,6 +28,16 @@ class Diagnostics:
         """The input needs something that the model has in a form Pliant does not have; `pliant check` asks for it."""
         self.incomplete = True
         self.omit(line, text)
+
+    def number(self, text, line, what):
+        """A finite number."""
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise self.wrong(line, f"{what} is missing or not a number: '{text.strip()[:40]}'")
+        return value
 
     def wrong(self, line, text):
         """The exception for a file that cannot be converted."""
