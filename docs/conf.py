@@ -19,6 +19,7 @@ html_css_files = ["site.css"]
 html_title = f"Pliant {version}"
 html_copy_source = False
 html_show_sourcelink = False
+html_show_search_summary = False  # it fetches pages, which browsers do not do from files
 pygments_style = "friendly"
 pygments_dark_style = "native"
 
@@ -44,5 +45,29 @@ def read(_, page, source):
         source[0] = with_contents(source[0])
 
 
+# Debian's Furo is not bundled: its script imports another one as a module although pages load it as a plain script, and its styles are
+# imported from a web server's root.
+IMPORTED_SCRIPT = re.compile(r"^import Gumshoe from .*$", re.MULTILINE)
+IMPORTED_STYLE = re.compile(r"^@import url\(/javascript/(normalize\.css/normalize\.css)\);$", re.MULTILINE)
+
+
+def bundle(app, failure):
+    """Makes one script and one style sheet of Furo's where they are not."""
+    static = pathlib.Path(app.outdir) / "_static"
+    script, style = static / "scripts/furo.js", static / "styles/furo.css"
+    if failure or not script.is_file():
+        return
+    text = script.read_text(encoding="utf-8")
+    if IMPORTED_SCRIPT.search(text):
+        imported = (static / "scripts/gumshoe-patched.js").read_text(encoding="utf-8")  # which makes window.Gumshoe
+        script.write_text(imported + "\n" + IMPORTED_SCRIPT.sub("", text), encoding="utf-8")
+    text = style.read_text(encoding="utf-8")
+    found = IMPORTED_STYLE.search(text)
+    if found:
+        imported = pathlib.Path("/usr/share/javascript") / found[1]
+        style.write_text(IMPORTED_STYLE.sub(lambda _: imported.read_text(encoding="utf-8") if imported.is_file() else "", text), encoding="utf-8")
+
+
 def setup(app):
+    app.connect("build-finished", bundle)
     app.connect("source-read", read)

@@ -5,4 +5,4 @@ import runpy
 import sys
 
 sys.argv[1:1] = ["render"]
-runpy.run_path(str(pathlib.Path(__file__).resolve().parents[1] / "src/python/pliant/pictures/start.py"), run_name="__main__")
+runpy.run_path(str(pathlib.Path(__file__).resolve().parents[1] / "src/python/pliant/start.py"), run_name="__main__")

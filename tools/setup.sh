@@ -18,7 +18,7 @@ run_packages=(
 )
 test_packages=(
   libgtest-dev libbenchmark-dev python3-jsonschema clang-format-14 clang-tidy-16 chromium python3-meshio
-  python3-scipy python3-mpi4py python3-petsc4py dpkg-dev file groff-base doxygen python3-sphinx python3-myst-parser furo
+  python3-scipy python3-mpi4py python3-petsc4py dpkg-dev file groff-base doxygen python3-pip python3-venv python3-sphinx python3-myst-parser furo
 )
 # The page of `pliant report` is put together by npm. Where there is one already it may come with a nodejs that is not
 # Debian's, which excludes Debian's npm.

@@ -8,7 +8,7 @@ try:
     import matplotlib
     import matplotlib.pyplot as plt
     import package  # noqa: F401  finds the package pliant
-    from pliant.pictures.command_line import Parser, exit_code
+    from pliant.command_line import Parser, exit_code
     from pliant.pictures.plot import COLOURS, STYLE, PliantError
 except ImportError as missing:
     print(f"work_precision.py: {missing}; run it with /usr/bin/python3, and with the packages of tools/setup.sh",

@@ -67,10 +67,11 @@ std::vector<std::string> choices_of(const CLI::Option& option) {
 
 /// Files that fit an argument, as a pattern of bash.
 std::string pattern_of(const CLI::Option& argument) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 5> patterns{{{"INPUT", "*.@(yaml|yml)"},
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> patterns{{{"INPUT", "*.@(yaml|yml)"},
                                                                                    {"FIT", "*.@(yaml|yml)"},
                                                                                    {"CHECKPOINT", "*.h5"},
                                                                                    {"FILE", "*.h5"},
+                                                                                   {"MODEL", "*.@(inp|feb)"},
                                                                                    {"RESULT", "*.@(h5|xdmf)"}}};
   const std::string name = argument.get_name(/*positional=*/true);
   const auto* found = std::ranges::find(patterns, name, &std::pair<std::string_view, std::string_view>::first);

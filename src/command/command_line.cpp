@@ -143,6 +143,7 @@ CommandLine::CommandLine(MPI_Comm comm, const SweepOptions& of_sweep)
   add_sensitivity();
   add_fit();
   add_mesh();
+  add_convert();
   add_methods();
   add_materials();
   add_schema();
@@ -242,10 +243,13 @@ void CommandLine::add_info() {
 void CommandLine::add_report() {
   CLI::App* report = app_.add_subcommand("report", "write an HTML page that plays a result and plots its history");
   report->footer(examples({"pliant report out/beam", "pliant report out/beam --output beam.html --size 10",
-                           "pliant report out/beam --watch"}));
+                           "pliant report out/beam --watch", "pliant report out/coarse out/fine"}));
   report->add_option("RESULT", arguments_.report.place, "directory of a result, its result.h5 or result.xdmf")
       ->required();
-  report->add_option("--output", arguments_.report.output, "the file; default: report.html next to the result");
+  report->add_option("OTHER", arguments_.report.other,
+                     "another result, which is shown next to it with the same camera and time");
+  report->add_option("--output", arguments_.report.output,
+                     "the file; default: report.html next to the result, of two results comparison.html");
   report
       ->add_option("--size", arguments_.report.megabytes,
                    "largest size of the page in megabytes; frames are left out if it would be larger")

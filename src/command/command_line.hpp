@@ -72,13 +72,14 @@ class CommandLine {
   void add_resume();
   void add_info();
   void add_report();
-  struct DrawnPlace {
+  struct PythonArgument {
     const char *name, *what;
   };
-  /// A command that Python code carries out, which reads the options too; `place`: its argument.
-  CLI::App& add_drawing(const char* name, const char* what, const DrawnPlace& place);
+  /// A command that Python code carries out, which reads the options too.
+  CLI::App& add_in_python(const char* name, const char* what, const PythonArgument& argument);
   void add_render();
   void add_plot();
+  void add_convert();
   void add_check();
   void add_converge();
   void add_modes();

@@ -14,12 +14,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <optional>
 #include <sstream>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -89,30 +91,49 @@ bool has_ended(const fs::path& directory) {
   return no_history || (!no_summary && summary >= history);
 }
 
-/// The summary for the terminal. `is_last`: the page is not renewed.
-std::string write_page(const fs::path& file, const ReportOptions& options, bool is_last) {
-  require_viewer();
+/// What the page says of a run besides its frames.
+Json json_of_run(const fs::path& file, const ResultReader& result, Page& page) {
   const fs::path directory = file.parent_path();
-  const fs::path output = options.output.empty() ? directory / "report.html" : fs::path(options.output);
-  std::optional<ResultReader> result;
-  naming(file, [&] { result.emplace(file); });
+  Json json{{"title", result.title()}, {"directory", fs::absolute(file).parent_path().string()}};
+  json["history"] = json_of(read_history(directory / "history.csv"), page);
+  json["input"] = text_of(directory / "run.yaml");
+  json["taken"] = columns_from_fields(text_of(directory / "run.yaml"));
+  json["summary"] = summary_json(directory);
+  return json;
+}
+
+/// The page of one result or of two; returns the line for the terminal. `is_last`: the page is not renewed.
+std::string write_page(const std::vector<fs::path>& files, const ReportOptions& options, bool is_last) {
+  require_viewer();
+  const fs::path by_default = files.front().parent_path() / (files.size() == 1 ? "report.html" : "comparison.html");
+  const fs::path output = options.output.empty() ? by_default : fs::path(options.output);
+  std::deque<ResultReader> results;  // which are not moved
   Page page;
-  Json report{{"format", 1}, {"title", result->title()}, {"directory", fs::absolute(file).parent_path().string()}};
+  Json report{{"format", 1}};
   add_origin(report);
-  report["history"] = json_of(read_history(directory / "history.csv"), page);
-  report["input"] = text_of(directory / "run.yaml");
-  report["taken"] = columns_from_fields(text_of(directory / "run.yaml"));
-  report["summary"] = summary_json(directory);
   if (!is_last) report["watch"] = *options.watch;
+  for (const fs::path& file : files) {
+    naming(file, [&] { results.emplace_back(file); });
+    const Json of_run = json_of_run(file, results.back(), page);
+    if (results.size() == 1) {
+      report.update(of_run);
+    } else {
+      report["other"] = of_run;
+    }
+  }
   const double left = options.megabytes * 1e6 - static_cast<double>(page.filled(report).size());
-  PackedResult packed;
-  naming(file, [&] { packed = pack_result(*result, static_cast<std::size_t>(std::max(left, 0.0))); });
-  report["result"] = json_of(packed, page);
+  const auto share = static_cast<std::size_t>(std::max(left, 0.0)) / files.size();
+  std::string frames;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    PackedResult packed;
+    naming(files[i], [&] { packed = pack_result(results[i], share); });
+    (i == 0 ? report : report["other"])["result"] = json_of(packed, page);
+    frames += fmt::format("{}{} of {}", i == 0 ? "" : " and ", packed.frames.size(), packed.num_frames);
+  }
   std::string text = page.filled(report);
   write_text_atomically(output, text);
   const double size = static_cast<double>(text.size()) * 1e-6;
-  return fmt::format("{}: {:.1f} MB, {} of {} frames{}; open it in a browser", output.string(), size,
-                     packed.frames.size(), packed.num_frames,
+  return fmt::format("{}: {:.1f} MB, {} frames{}; open it in a browser", output.string(), size, frames,
                      size > options.megabytes ? " (the data besides the frames need this much)" : "");
 }
 
@@ -120,16 +141,22 @@ std::string write_page(const fs::path& file, const ReportOptions& options, bool 
 
 void report_command(MPI_Comm comm, const ReportOptions& options, Console& console) {
   on_root(comm, [&] {
-    const fs::path file = result_file(options.place);
+    std::vector<fs::path> files{result_file(options.place)};
+    if (!options.other.empty()) files.push_back(result_file(options.other));
+    const auto have_ended = [&] {
+      return std::ranges::all_of(files, [](const fs::path& file) { return has_ended(file.parent_path()); });
+    };
     // Asked before the page is written: else a run that ends meanwhile would leave a page without its end.
-    bool is_last = !options.watch || has_ended(file.parent_path());
-    const auto write = [&] { return hdf5_in_child(file, [&] { return write_page(file, options, is_last); }); };
+    bool is_last = !options.watch || have_ended();
+    const auto write = [&] {
+      return hdf5_in_child(files.front(), [&] { return write_page(files, options, is_last); });
+    };
     console.print(write());
     if (is_last) return;
     console.print(fmt::format("renewed every {:g} s until the run ends; Ctrl-C ends it earlier", *options.watch));
     while (!is_last) {
       std::this_thread::sleep_for(std::chrono::duration<double>(*options.watch));
-      is_last = has_ended(file.parent_path());
+      is_last = have_ended();
       const std::string line = write();
       if (is_last) console.print("the run has ended; " + line);
     }

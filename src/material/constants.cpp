@@ -15,9 +15,11 @@ namespace {
 enum Constant { youngs, poissons, shear, bulk, lame_first };
 
 constexpr std::array constants{
-    ParameterInfo{"youngs_modulus", "Pa", 0.0, infinity, "stiffness in uniaxial tension at small strain"},
-    ParameterInfo{"poissons_ratio", "1", -1.0, 0.5, "lateral contraction per extension at small strain",
-                  LowerBound::excluded, 1.0, std::nullopt, UpperBound::included},
+    ParameterInfo{"youngs_modulus", "Pa", 0.0, infinity,
+                  "Young's modulus: stiffness in uniaxial tension at small strain"},
+    ParameterInfo{"poissons_ratio", "1", -1.0, 0.5,
+                  "Poisson's ratio: lateral contraction per extension at small strain", LowerBound::excluded, 1.0,
+                  std::nullopt, UpperBound::included},
     ParameterInfo{"shear_modulus", "Pa", 0.0, infinity, "stiffness in shear at small strain"},
     ParameterInfo{"bulk_modulus", "Pa", 0.0, infinity, "stiffness against volume change at small strain"},
     ParameterInfo{"lame_lambda", "Pa", -infinity, infinity, "first Lame parameter: bulk_modulus - 2/3 shear_modulus"},

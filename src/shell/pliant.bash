@@ -19,6 +19,7 @@ _pliant() {
       ' fit') path='fit' ;;
       ' mesh') path='mesh' ;;
       'mesh convert') path='mesh convert' ;;
+      ' convert') path='convert' ;;
       ' methods') path='methods' ;;
       ' materials') path='materials' ;;
       'materials plot') path='materials plot' ;;
@@ -29,7 +30,7 @@ _pliant() {
     esac
   done
   case $path in
-    '') options='-h --help --version' words='run resume info report render plot check converge modes sweep compare sensitivity fit mesh methods materials schema help completion man' files='' ;;
+    '') options='-h --help --version' words='run resume info report render plot check converge modes sweep compare sensitivity fit mesh convert methods materials schema help completion man' files='' ;;
     'run') options='-h --help --set --output --continue --quiet' words='' files='*.@(yaml|yml)' ;;
     'resume') options='-h --help --set --output --quiet' words='' files='*.h5' ;;
     'info') options='-h --help' words='' files='*.h5' ;;
@@ -45,6 +46,7 @@ _pliant() {
     'fit') options='-h --help --output' words='' files='*.@(yaml|yml)' ;;
     'mesh') options='-h --help' words='convert' files='' ;;
     'mesh convert') options='-h --help --size --scale --allow-commands' words='' files='*' ;;
+    'convert') options='-h --help -o --output --units --force' words='' files='*.@(inp|feb)' ;;
     'methods') options='-h --help' words='' files='' ;;
     'materials') options='-h --help --library --markdown' words='plot' files='' ;;
     'materials plot') options='-h --help --set --stretch --output' words='' files='*' ;;
@@ -55,7 +57,7 @@ _pliant() {
   esac
   # What follows an option that takes a value is that.
   case $previous in
-    --set | --output | --size | --watch | -o | --field | --range | --movie | --fps | --frame | --view | --scale | --hide | --transparent | --title | --html | --in | --levels | --methods | --number | --near | --result | --samples | --seed | --logarithmic | --jobs | --ranks | --of | --adjoint | --to | --fields | --kept-steps | --stretch) options='' words='' files='' ;;
+    --set | --output | --size | --watch | -o | --field | --range | --movie | --fps | --frame | --view | --scale | --hide | --transparent | --title | --html | --in | --levels | --methods | --number | --near | --result | --samples | --seed | --logarithmic | --jobs | --ranks | --of | --adjoint | --to | --fields | --kept-steps | --units | --stretch) options='' words='' files='' ;;
   esac
   case "$path $previous" in
     'run --output') files='*' ;;
@@ -72,6 +74,8 @@ _pliant() {
     'compare --output') files='*' ;;
     'sensitivity --output') files='*' ;;
     'fit --output') files='*' ;;
+    'convert -o' | 'convert --output') files='*' ;;
+    'convert --units') words='SI mm-N-s mm-kg-s mm-g-s mm-mg-s mm-kg-ms um-nN-s CGS' ;;
     'materials plot --output') files='*' ;;
   esac
   if [[ $current == -* ]]; then

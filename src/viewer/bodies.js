@@ -1,6 +1,6 @@
 // The surfaces of the bodies at any time, between frames too.
 import { straddles } from "./colours.js";
-import { report, accumulated, int32, rows, EarlierNeighbours } from "./data.js";
+import { accumulated, int32, rows, EarlierNeighbours } from "./data.js";
 
 const AXES = [0, 1, 2];
 
@@ -55,12 +55,14 @@ function around(frames, time) {
 }
 
 export class Bodies {
-  static async load() {
+  /// `result`: of a run on the page.
+  static async load(result) {
     const bodies = new Bodies();
-    const { meshes, frames, fields } = report.result;
+    const { meshes, frames, fields } = result;
     bodies.frames = frames;
     bodies.fields = fields;
-    bodies.names = report.result.bodies;
+    bodies.names = result.bodies;
+    bodies.result = result;
     bodies.surfaces = await Promise.all(meshes.map((mesh, i) => Surface.load(mesh, i)));
     const count = meshes.map(() => 0);
     bodies.rowOfFrame = frames.map((frame) => count[frame.mesh]++);

@@ -87,9 +87,9 @@ class Rows {
 
 export const rows = async (block, neighbours, scale) => new Rows(await unpackedRows(block, neighbours), neighbours.size, scale);
 
-/// The history: column names to arrays.
-export async function readHistory() {
-  const { columns, rows: count, values } = report.history;
+/// The history of a run on the page: column names to arrays.
+export async function readHistory(run) {
+  const { columns, rows: count, values } = run.history;
   const numbers = await float64(values);
   return new Map(columns.map((name, i) => [name, numbers.subarray(i * count, (i + 1) * count)]));
 }

@@ -10,7 +10,8 @@ import { Player } from "./player.js";
 import { Plots } from "./plots.js";
 import { Points } from "./points.js";
 import { View, VIEWS } from "./scene.js";
-import { showFacts, showModelFacts, showRun, showTexts } from "./texts.js";
+import { Second, namesOf, showDifferences } from "./second.js";
+import { addFacts, showFacts, showModelFacts, showRun, showTexts } from "./texts.js";
 import { watch } from "./watch.js";
 import "./style.css";  // after that of the plots, which it changes
 
@@ -30,12 +31,29 @@ function drawTriad(camera) {
     `<text x="${(1.33 * x).toFixed(1)}" y="${(1.33 * y).toFixed(1)}" fill="${colours[k]}">${"xyz"[k]}</text>`).join("");
 }
 
+/// What there is of the second run besides its drawing; for the plots its history and its name.
+function surroundSecond(second) {
+  const names = namesOf(report);
+  [second.firstName, second.name] = names;
+  ["name", "name-2"].forEach((id, i) => {
+    place(id).textContent = place(id).title = names[i];
+    place(id).hidden = false;
+  });
+  place("stage-2").hidden = false;
+  place("title").textContent = document.title = report.title === report.other.title ? report.title : `${report.title} | ${report.other.title}`;
+  addFacts(report.other, second.history, isStatic, names);
+  showRun(place("run"), report.other, names);
+  showDifferences(place("run"), report, names);
+  return { history: second.history, names };
+}
+
 /// What surrounds the drawing of a run: its history in plots.
-async function surroundRun(player) {
-  const history = await readHistory();
+async function surroundRun(player, second) {
+  const history = await readHistory(report);
   showFacts(report, history, isStatic);
   showRun(place("run"), report);
-  const plots = new Plots(place("plots"), history, { isStatic, taken: report.taken ?? [], seek: (time) => player.seek(time) });
+  const others = second && surroundSecond(second);
+  const plots = new Plots(place("plots"), history, { isStatic, taken: report.taken ?? [], others, seek: (time) => player.seek(time) });
   player.listen((time) => plots.mark(time));
   return { history, plots };
 }
@@ -49,9 +67,10 @@ function surroundModel() {
 }
 
 async function start() {
-  const bodies = await Bodies.load();
-  const player = new Player(bodies.frames, isStatic);
-  const { history, plots } = report.model ? surroundModel() : await surroundRun(player);
+  const bodies = await Bodies.load(report.result);
+  const second = report.other ? await Second.load(report.other, bodies) : null;
+  const player = new Player(second ? second.frames(bodies.frames) : bodies.frames, isStatic);
+  const { history, plots } = report.model ? surroundModel() : await surroundRun(player, second);
   showTexts(place("texts"), report);
   let view;
   try {
@@ -63,13 +82,15 @@ async function start() {
     document.documentElement.dataset.ready = "without 3D";
     return;
   }
+  await second?.show(view);
   const panel = new Panel(place("panel"), view, bodies, place("legend"));
   const points = new Points(view, panel, plots, { marks: place("marks"), table: place("points") });
   view.look = (camera) => {
     drawTriad(camera);
     points.draw();
   };
-  const picture = new Picture({ report, view, panel, player, points });
+  second?.addPoints(panel, plots, second.name);
+  const picture = new Picture({ report, view, panel, player, points, second });
   place("panel").append(...pictureControls(picture));
   let items;
   if (report.model) {
@@ -86,7 +107,7 @@ async function start() {
   player.seek(player.hasLabels ? player.start : player.end);
   await watch({ player, view, panel, points, picture });
   // For those who drive the page from outside.
-  window.pliant = { player, view, panel, bodies, history, points, picture, items };
+  window.pliant = { player, view, panel, bodies, history, points, picture, items, second };
   requestAnimationFrame(() => requestAnimationFrame(() => (document.documentElement.dataset.ready = "yes")));
 }
 

@@ -5,7 +5,7 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import { colourAt, shareOf } from "./colours.js";
-import { report, int32, rows, EarlierNeighbours } from "./data.js";
+import { int32, rows, EarlierNeighbours } from "./data.js";
 
 const AXES = [0, 1, 2];
 const COLOURS = { tendon: "#d63a50", spring: "#2f9e78", rod: "#5b6f8f", joint: "#e8981c" };
@@ -52,7 +52,7 @@ class Part {
 
 export class Mechanisms {
   static async load(bodies) {
-    const given = report.result.mechanisms;
+    const given = bodies.result.mechanisms;
     if (!given?.some(Boolean)) return null;
     const made = new Mechanisms();
     made.bodies = bodies;

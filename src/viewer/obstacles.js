@@ -1,6 +1,6 @@
 // Rigid obstacles of contact, where the result has them.
 import { BufferAttribute, BufferGeometry, CanvasTexture, DoubleSide, Group, Mesh, MeshStandardMaterial } from "three";
-import { report, accumulated, int32, rows, EarlierNeighbours } from "./data.js";
+import { accumulated, int32, rows, EarlierNeighbours } from "./data.js";
 
 const AXES = [0, 1, 2];
 const REACH = 1.6;  // of a plane that is drawn, in sizes of the scene
@@ -88,7 +88,7 @@ class Part {
 
 export class Obstacles {
   static async load(bodies) {
-    const given = report.result.obstacles;
+    const given = bodies.result.obstacles;
     if (!given?.some(Boolean)) return null;
     const obstacles = new Obstacles();
     obstacles.bodies = bodies;

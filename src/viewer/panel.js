@@ -2,7 +2,6 @@
 import { arrowControls } from "./arrows.js";
 import { clipControls } from "./clip.js";
 import { MAPS, mapOf, nameColour } from "./colours.js";
-import { report } from "./data.js";
 import { element, NumberField, refuseFactor } from "./elements.js";
 import { showLegend } from "./legend.js";
 import { handyUnit, short, spelt, typeset } from "./numbers.js";
@@ -90,7 +89,7 @@ export class Panel {
   choices(kind, names, looks, keyOf, colourOf, { looks: allowed = LOOKS, kinds } = {}) {
     const list = element("div", { className: "bodies" });
     names.forEach((name, i) => {
-      if (kind === "body" && report.result.unseen?.includes(name)) return;
+      if (kind === "body" && this.bodies.result.unseen?.includes(name)) return;
       const choice = element("select", { id: `${kind}-${i}`, title: `how to draw ${name}` });
       for (const look of allowed) choice.append(new Option(look, look));
       choice.value = looks[keyOf(i)];

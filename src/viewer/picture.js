@@ -17,20 +17,22 @@ function save(blob, name) {
 
 export class Picture {
   /// `report`: of the page; `points`: whose marks are drawn.
-  constructor({ report, view, panel, player, points }) {
-    Object.assign(this, { view, panel, player, points, title: document.title });
-    this.run = report.directory.split("/").filter(Boolean).at(-1) || "pliant";
+  /// `second`: the other run on the page, or null.
+  constructor({ report, view, panel, player, points, second }) {
+    Object.assign(this, { view, panel, player, points, second, title: document.title });
+    this.run = second ? "comparison" : report.directory.split("/").filter(Boolean).at(-1) || "pliant";
     this.canvas = document.createElement("canvas");
     this.pen = this.canvas.getContext("2d", { willReadFrequently: true });  // by the encoder
   }
 
   /// The picture as it is on the screen, in pixels of the screen.
   compose() {
-    const { pen, canvas, view } = this, { width, height } = view.canvas, font = styleOf("--font");
+    const { pen, canvas, view, second } = this, { height } = view.canvas, font = styleOf("--font");
+    const half = view.canvas.width, width = half + (second ? second.view.canvas.width : 0);
     // Encoders of videos need even sizes.
     const [evenWidth, evenHeight] = [width - (width % 2), height - (height % 2)];
     if (canvas.width !== evenWidth || canvas.height !== evenHeight) Object.assign(canvas, { width: evenWidth, height: evenHeight });
-    const ratio = width / view.canvas.clientWidth;
+    const ratio = half / view.canvas.clientWidth;
     pen.setTransform(1, 0, 0, 1, 0, 0);
     const shade = pen.createLinearGradient(0, 0, 0, height);
     shade.addColorStop(0, styleOf("--stage-top"));
@@ -38,9 +40,11 @@ export class Picture {
     pen.fillStyle = shade;
     pen.fillRect(0, 0, width, height);
     pen.drawImage(view.canvas, 0, 0);
+    if (second) pen.drawImage(second.view.canvas, half, 0);
     pen.scale(ratio, ratio);
     const ink = styleOf("--ink"), card = styleOf("--veil"), wide = view.canvas.clientWidth;
     for (const mark of this.points.marks ?? []) this.drawMark(mark, { font, ink, card, wide });
+    if (second) this.drawSecond({ font, ink, card, wide });
     pen.textAlign = "left";
     pen.textBaseline = "alphabetic";
     for (const [text, size, bottom] of [[this.title, "600 18px", 32], [this.timeLine(), "14px", 56]]) {
@@ -52,6 +56,20 @@ export class Picture {
     }
     drawLegend(pen, this.panel.shown, this.panel.note, { right: wide - 12, top: 12, font, ink, card });
     return canvas;
+  }
+
+  /// The marks of the second run, and the names of both.
+  drawSecond(style) {
+    const { pen, second } = this, { wide, font, ink } = style;
+    pen.save();
+    pen.translate(wide, 0);
+    for (const mark of second.points.marks ?? []) this.drawMark(mark, style);
+    pen.restore();
+    pen.font = `600 14px ${font}`;
+    pen.fillStyle = ink;
+    pen.textAlign = "center";
+    pen.textBaseline = "alphabetic";
+    [second.firstName, second.name].forEach((name, i) => pen.fillText(name, (i + 0.5) * wide, this.view.canvas.clientHeight - 16, wide - 100));
   }
 
   timeLine() {
@@ -79,8 +97,13 @@ export class Picture {
     pen.fillText(text, isLeft ? left + width - 5 : left + 5, y + 1);
   }
 
+  renderAll() {
+    this.view.render();
+    this.second?.view.render();
+  }
+
   savePicture() {
-    this.view.render();  // with what was set since the last drawing
+    this.renderAll();  // with what was set since the last drawing
     const [number, unit] = this.player.text(this.player.time);
     const kind = this.player.hasLabels ? "mode" : this.player.isStatic || "t";
     const name = `${this.run}_${kind}${number}${kind === "t" ? unit.replace("µ", "u") : ""}.png`;
@@ -102,7 +125,7 @@ export class Picture {
   }
 
   async encode(changed) {
-    const { player, view } = this, { width, height } = this.compose();
+    const { player } = this, { width, height } = this.compose();
     const size = { width, height, bitrate: BITS, framerate: RATE, latencyMode: "realtime" };
     let codec = null;
     for (const name of Object.keys(CODECS)) {
@@ -120,7 +143,7 @@ export class Picture {
     const moving = Math.ceil(((player.end - player.start) / player.speed()) * RATE), count = moving + 1 + Math.round(REST * RATE);
     for (let i = 0; i < count && this.isRecording && !failure; ++i) {
       player.seek(i < moving ? player.start + (i * player.speed()) / RATE : player.end);
-      view.render();
+      this.renderAll();
       const frame = new VideoFrame(this.compose(), { timestamp: (1e6 * i) / RATE, duration: 1e6 / RATE });
       encoder.encode(frame, { keyFrame: i % KEYS === 0 });
       frame.close();

@@ -79,14 +79,44 @@ function* plotsOf(history, { isStatic, taken }) {
   if (dt?.length > 2 && !isStatic) yield { title: "Time step", unit: "s", lines: [["dt", dt]], steps: true, zero: true, colour: 2 };
 }
 
+/// Values at other times: linear between, those of the next row in steps; none outside.
+function at(times, values, wanted, isStepped) {
+  let i = 0;
+  return wanted.map((t) => {
+    while (i < times.length && times[i] < t) ++i;
+    if (i === times.length || (i === 0 && times[0] > t)) return NaN;
+    if (isStepped || times[i] === t) return values[i];
+    const share = (t - times[i - 1]) / (times[i] - times[i - 1]);
+    return values[i - 1] + share * (values[i] - values[i - 1]);
+  });
+}
+
+/// Plots of two histories: those of the same title in one, the second run dashed. `names`: of the runs.
+function* plotsOfBoth(history, others, options) {
+  const [time, otherTime] = [history, others.history].map((h) => h.get("time"));
+  const both = Float64Array.from(new Set([...time, ...otherTime])).sort();
+  const of = (plots) => new Map([...plots].map((plot) => [plot.title, plot]));
+  const [own, other] = [of(plotsOf(history, options)), of(plotsOf(others.history, options))];
+  for (const title of new Set([...own.keys(), ...other.keys()])) {
+    const plot = own.get(title) ?? other.get(title), lines = [];
+    [[own, time], [other, otherTime]].forEach(([plots, times], run) => plots.get(title)?.lines.forEach(([name, values, colour], i) =>
+      lines.push([`${name} · ${others.names[run]}`, at(times, values, both, plot.steps), colour ?? (plot.lines.length > 1 ? i : plot.colour ?? i), undefined, run === 1])));
+    yield [{ ...plot, lines }, both];
+  }
+}
+
 /// `seek(time)` is called when a plot is clicked.
 export class Plots {
-  constructor(place, history, { isStatic, taken, seek }) {
+  constructor(place, history, { isStatic, taken, others, seek }) {
     Object.assign(this, { place, seek, made: [], timeLabel: isStatic || "time [s]", paths: [] });
     this.sync = uPlot.sync("history");
     const time = history.get("time");
-    if (time?.length > 1 && history.has("load_factor")) this.paths = waysOf(history).map((way) => new PathPlot(place, history, way, seek));
-    if (time?.length) for (const plot of [...plotsOf(history, { isStatic, taken })].slice(0, 40)) this.add(plot, time);
+    if (others && time?.length && others.history.get("time")?.length) {
+      for (const [plot, times] of [...plotsOfBoth(history, others, { isStatic, taken })].slice(0, 40)) this.add(plot, times);
+    } else if (time?.length) {
+      if (time.length > 1 && history.has("load_factor")) this.paths = waysOf(history).map((way) => new PathPlot(place, history, way, seek));
+      for (const plot of [...plotsOf(history, { isStatic, taken })].slice(0, 40)) this.add(plot, time);
+    }
     new ResizeObserver(() => this.resize()).observe(place);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.made.forEach(({ chart }) => chart.redraw(false, true)));
   }
@@ -120,8 +150,8 @@ export class Plots {
       axes: [axis({ size: 30, values: (u, v) => v.map((x) => short(x)) }),
              axis({ size: 58, values: (u, v) => v.map((x) => short(x)) })],
       series: [{ label: this.timeLabel, value: show },
-               ...plot.lines.map(([name], i) => ({
-                 label: name, value: show, stroke: strokes[i + 1], width: 1.7, points: { show: false },
+               ...plot.lines.map(([name, , , , isDashed], i) => ({
+                 label: name, value: show, stroke: strokes[i + 1], width: 1.7, points: { show: false }, ...(isDashed && { dash: [6, 4] }),
                  ...(plot.steps && { paths: uPlot.paths.stepped({ align: -1 }) }),
                }))],
       hooks: { ready: [(u) => this.watch(u, this.seek), () => queueMicrotask(() => this.time !== undefined && this.mark(this.time))] },

@@ -218,9 +218,17 @@ export class View {
     return points;
   }
 
+  /// Ends the gliding after a drag.
+  settle() {
+    this.controls.enableDamping = false;
+    this.controls.update();
+    this.controls.enableDamping = true;
+  }
+
   /// Looks from a direction so that all is just seen. A point is seen from distance d over the shift s if
   /// |p - s| <= slope (d - depth); both bounds together give the least d.
   aim(direction) {
+    this.settle();
     this.aimed = direction;
     const points = this.cloud(), back = new Vector3(...direction).normalize();
     this.camera.up.set(0, 0, 1);

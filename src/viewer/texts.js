@@ -20,26 +20,42 @@ export function showModelFacts({ title, result, model, program, written, directo
 /// Whether the frames are modes, whose label says which.
 const hasModes = ({ frames }) => frames.some((frame) => frame.label);
 
+const OUTCOMES = { done: "done", interrupted: "interrupted", failed: "failed", unfinished: "no end yet", running: "running" };
+
 export function showFacts(report, history, isStatic) {
-  const { title, result, summary, input } = report;
+  const { title, result, summary } = report;
   place("title").textContent = document.title = title || "Untitled run";
   const outcome = report.watch ? "running" : hasModes(result) ? "modes" : (summary?.outcome ?? "unfinished");
   const badge = place("outcome");
-  badge.textContent = { done: "done", interrupted: "interrupted", failed: "failed", unfinished: "no end yet", running: "running" }[outcome] ?? outcome;
+  badge.textContent = OUTCOMES[outcome] ?? outcome;
   badge.dataset.outcome = outcome;
   badge.title = outcome === "running" ? `the page is renewed every ${short(report.watch)} s` : outcome === "unfinished" ? "the run continues, or was killed" : summary?.message || "";
+  place("facts").textContent = factsOf(report, history, isStatic);
+  place("made").textContent = `Made with ${report.program.split("\n")[0]} on ${report.written} from ${report.directory}`;
+}
+
+/// The same for the second run of a page: its facts below those of the first, and how it ended if the first one ended otherwise.
+export function addFacts(run, history, isStatic, names) {
+  const facts = place("facts"), badge = place("outcome"), outcome = run.summary?.outcome ?? "unfinished";
+  facts.textContent = `${names[0]}:  ${facts.textContent}\n${names[1]}:  ${factsOf(run, history, isStatic)}`;
+  if (outcome !== badge.dataset.outcome && badge.dataset.outcome in OUTCOMES) {
+    badge.textContent += ` | ${OUTCOMES[outcome] ?? outcome}`;
+    if (badge.dataset.outcome === "done") badge.dataset.outcome = outcome;
+  }
+  place("made").textContent += ` and ${run.directory}`;
+}
+
+function factsOf({ result, summary, input, history: { steps } }, history, isStatic) {
   const frames = result.frames.length < result.framesInResult
     ? `${grouped(result.frames.length)} of ${grouped(result.framesInResult)} frames` : `${grouped(result.frames.length)} frames`;
   const facts = [`${grouped(result.cells)} tetrahedra (P${result.order})`, `${grouped(result.nodes)} nodes`];
   const method = given(input, "method");
   if (method) facts.push(method);
-  const steps = report.history.steps;
   if (steps > 0) facts.push(`${grouped(steps)} steps`);
   const times = history.get("time");
   if (times?.length > 1 && !isStatic) facts.push(`to t = ${short(times.at(-1))} s`);
   if (summary?.ranks > 1) facts.push(`${summary.ranks} ranks`);
-  place("facts").textContent = [...facts, frames].join("  ·  ");
-  place("made").textContent = `Made with ${report.program.split("\n")[0]} on ${report.written} from ${report.directory}`;
+  return [...facts, frames].join("  ·  ");
 }
 
 const PARTS = [["set_up", "set-up"], ["assembly", "assembly"], ["factorization", "factorization"], ["solve", "solve"], ["output", "output"], ["rest", "rest"]];
@@ -65,7 +81,15 @@ function table(title, rows) {
   return element("article", {}, element("h2", { textContent: title }), made);
 }
 
-export function showRun(to, { summary, result }) {
+/// `names`: of two runs, of which this is the second; then the cards of the first get its name too.
+export function showRun(to, { summary, result }, names) {
+  if (names) {
+    for (const title of to.querySelectorAll("h2")) title.textContent += ` · ${names[0]}`;
+    const before = to.children.length;
+    showRun(to, { summary, result });
+    for (const card of [...to.children].slice(before)) card.querySelector("h2").textContent += ` · ${names[1]}`;
+    return;
+  }
   if (hasModes(result)) to.append(table("Modes", result.frames.map((frame) => frame.label.split(", "))));
   if (!summary) return;
   const { seconds, steps, solver, worst_step: worst, message } = summary;

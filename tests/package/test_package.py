@@ -1,4 +1,5 @@
 """What `cmake --install` and `cpack` make of the build: complete, wherever it is moved, and enough to build on."""
+import importlib.util
 import math
 import os
 import pathlib
@@ -66,11 +67,31 @@ sim.run(); print(sim.done, _pliant.__file__)""")
             self.assertEqual(run(self.prefix / "bin/pliant", command, out), f"{out / file}\n")
             self.assertEqual((out / file).read_bytes()[:4], b"\x89PNG")
         # With the code that was installed, not that of the sources.
-        code = self.prefix / "lib/python3/dist-packages/pliant/pictures/start.py"
+        code = self.prefix / "lib/python3/dist-packages/pliant/start.py"
         os.rename(code, code.with_suffix(".away"))
         self.addCleanup(os.rename, code.with_suffix(".away"), code)
         with self.assertRaisesRegex(AssertionError, f"returned 4\npliant plot: its Python code is missing: '{code}'"):
             run(self.prefix / "bin/pliant", "plot", out)
+
+    @unittest.skipUnless(importlib.util.find_spec("venv") and importlib.util.find_spec("ensurepip"), "python3-venv is not installed")
+    def test_pip_installs_it(self):
+        """A wheel of this build, installed into an environment of its own: program and package are those of the environment."""
+        wheels = self.directory / "wheels"
+        run("/usr/bin/python3", "-m", "pip", "wheel", ROOT, "--no-build-isolation", "--no-deps", "--wheel-dir", wheels, f"--config-settings=build-dir={BUILD}")
+        (wheel,) = wheels.iterdir()
+        self.assertRegex(wheel.name, r"^pliant-[\d.]+-cp3\d+-cp3\d+-linux_\w+\.whl$")
+        home = self.directory / "environment"
+        run("/usr/bin/python3", "-m", "venv", "--system-site-packages", home)
+        run(home / "bin/pip", "install", "--no-index", "--no-deps", wheel)
+        self.assertIn("the input is well", run(home / "bin/pliant", "check", home / "share/pliant/input/cantilever.yaml"))
+        text = run("env", "-u", "PLIANT", home / "bin/python", "-c", f"""import pliant, pliant.runs
+sim = pliant.Simulation({str(ROOT / "input/verification/single_tetrahedron.yaml")!r})
+sim.run(); print(sim.done, pliant.runs.program(), pliant.__file__)""", cwd=self.directory)
+        self.assertEqual(text.split()[:2], ["True", str(home / "bin/pliant")])
+        self.assertTrue(text.split()[2].startswith(str(home / "lib")), text)
+        run(home / "bin/pliant", "convert", EXAMPLE.parent / "rubber_block.inp", cwd=self.directory)
+        run(home / "bin/pip", "uninstall", "--yes", "pliant")
+        self.assertFalse((home / "bin/pliant").exists() or (home / "lib/pliant").exists())
 
     def test_another_program_adds_a_law_and_a_term(self):
         build = self.directory / "example"
@@ -121,7 +142,7 @@ sim.run(); print(sim.done, _pliant.__file__)""")
             self.assertTrue(any(name.startswith(start) for name in needed), f"{start} is not among {needed}")
         self.assertLessEqual({"/usr/bin/pliant", "/usr/lib/pliant/libpliant_gmsh.so", "/usr/share/pliant/input/gripper_finger.yaml",
                               "/usr/share/pliant/meshes/gripper_finger.geo", "/usr/share/pliant/docs/index.md",
-                              "/usr/lib/python3/dist-packages/pliant/__init__.py", "/usr/lib/python3/dist-packages/pliant/pictures/start.py",
+                              "/usr/lib/python3/dist-packages/pliant/__init__.py", "/usr/lib/python3/dist-packages/pliant/start.py",
                               "/usr/share/doc/pliant/copyright"}, content(of_program))
         self.assertTrue(any(file.startswith("/usr/lib/python3/dist-packages/_pliant.") for file in content(of_program)))
 

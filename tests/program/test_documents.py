@@ -206,6 +206,8 @@ class Documents(ProgramTest):
     def make_clone(self):
         for name in ("input", "meshes", "tools", "src", "tests"):
             (self.directory / name).symlink_to(ROOT / name)
+        (self.directory / "docs").mkdir()
+        (self.directory / "docs/examples").symlink_to(ROOT / "docs/examples")
         (self.directory / "build/bin").mkdir(parents=True)
         for path, text in (("build/bin/pliant", SHIM), ("bin/pliant", SHIM), ("bin/mpirun", MPIRUN)):
             file = self.directory / path

@@ -73,10 +73,10 @@ class Pictures(ProgramTest):
 
     def test_options_are_those_of_the_code(self):
         """Names and descriptions, which stand in C++ for help and completion, and in Python."""
-        for command in ("render", "plot"):
+        for command, module in (("render", "pictures.render"), ("plot", "pictures.plot"), ("convert", "convert.convert")):
             section = re.search(rf'(?ms)^\.SS "pliant {command} .*?(?=^\.S)', self.pliant("man").stdout)[0].replace("\\-", "-")
             documented = dict(re.findall(r"^\.TP\n\.B ((?:-\w, )?--[\w-]+)[^\n]*\n([^\n]*)", section, re.M))
-            parser = importlib.import_module(f"pliant.pictures.{command}").parser_of("pliant")
+            parser = importlib.import_module(f"pliant.{module}").parser_of("pliant")
             taken = {", ".join(action.option_strings): action.help for action in parser._actions if action.option_strings}
             del taken["-h, --help"]
             self.assertEqual(documented, taken)

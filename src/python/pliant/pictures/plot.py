@@ -8,8 +8,8 @@ from matplotlib import pyplot as plt
 
 from pliant import History, PliantError, Result
 
+from ..command_line import Parser, exit_code
 from .analysis import counted
-from .command_line import Parser, exit_code
 
 COLOURS = ["#3b6fb6", "#d1603d", "#3f9c6b", "#8a63b8", "#c79a2b", "#4aa5b5", "#b5507c", "#6d7580"]
 STYLE = {

@@ -11,7 +11,7 @@ import numpy as np
 from pliant import PliantError, Result
 
 from .camera import VIEWS
-from .command_line import Parser, exit_code
+from ..command_line import Parser, exit_code
 
 
 def chosen_frames(result, options):

@@ -1,8 +1,8 @@
-// The commands that draw. Their options are described here, for help, completion and the manual;
-// src/python/pliant/pictures reads them.
+// The commands that Python code carries out. Their options are described here, for help, completion and the manual;
+// src/python/pliant reads them.
 #include "command/command_help.hpp"
 #include "command/command_line.hpp"
-#include "command/pictures.hpp"
+#include "command/python_command.hpp"
 #include "petsc/session.hpp"
 
 #include <algorithm>
@@ -12,15 +12,15 @@ namespace pliant {
 namespace {
 
 /// An option whose value is not read here.
-struct DrawingOption {
+struct PythonOption {
   const char* names;
   const char* type;
   const char* what;
   bool repeats = false;
 };
 
-void add(CLI::App& to, const std::vector<DrawingOption>& options) {
-  for (const DrawingOption& option : options) {
+void add(CLI::App& to, const std::vector<PythonOption>& options) {
+  for (const PythonOption& option : options) {
     auto* added = to.add_option(option.names)->description(option.what)->type_name(option.type);
     added->expected(1, option.repeats ? CLI::detail::expected_max_vector_size : 1)->allow_extra_args(false);
     if (!option.repeats) added->take_last();
@@ -29,24 +29,24 @@ void add(CLI::App& to, const std::vector<DrawingOption>& options) {
 
 }  // namespace
 
-CLI::App& CommandLine::add_drawing(const char* name, const char* what, const DrawnPlace& place) {
-  CLI::App* drawing = app_.add_subcommand(name, what);
-  drawing->add_option(place.name)->description(place.what)->required();
-  drawing->callback([this, name] {
+CLI::App& CommandLine::add_in_python(const char* name, const char* what, const PythonArgument& argument) {
+  CLI::App* command = app_.add_subcommand(name, what);
+  command->add_option(argument.name)->description(argument.what)->required();
+  command->callback([this, name] {
     command_ = [this, name] {
       if (num_ranks(comm_) > 1) {
         throw InputError({std::string("pliant ") + name, 0, 0}, "start it without mpirun");
       }
       const auto after = std::ranges::find(words_, std::string(name)) + 1;
-      result_ = pictures_command(name, {after, words_.end()}, arguments_.sweep.environment);
+      result_ = python_command(name, {after, words_.end()}, arguments_.sweep.environment);
     };
   });
-  return *drawing;
+  return *command;
 }
 
 void CommandLine::add_render() {
-  CLI::App& render = add_drawing("render", "draw a result as pictures, a movie or a 3D model",
-                                 {"RESULT", "the output directory of a run, its result.xdmf or its result.h5"});
+  CLI::App& render = add_in_python("render", "draw a result as pictures, a movie or a 3D model",
+                                   {"RESULT", "the output directory of a run, its result.xdmf or its result.h5"});
   render.footer(examples({"pliant render out/beam", "pliant render out/beam --field von_mises_stress --movie mp4",
                           "pliant render out/beam --frame 10 --view=-1,0.5,0.3 --hide floor --output beam.png",
                           "pliant render out/beam --field von_mises_stress --output beam.glb"}));
@@ -79,11 +79,25 @@ void CommandLine::add_render() {
 }
 
 void CommandLine::add_plot() {
-  CLI::App& plot = add_drawing("plot", "draw the history of a run: energies, probes, forces, iterations",
-                               {"RUN", "the output directory of a run, or its history.csv"});
+  CLI::App& plot = add_in_python("plot", "draw the history of a run: energies, probes, forces, iterations",
+                                 {"RUN", "the output directory of a run, or its history.csv"});
   plot.footer(examples({"pliant plot out/beam", "pliant plot out/beam --output beam.pdf"}));
   add(plot,
       {{"-o,--output", "FILE", "file to write (.png, .pdf, .svg); default: history.png in the output directory"}});
+}
+
+void CommandLine::add_convert() {
+  CLI::App& convert =
+      add_in_python("convert", "write an input from a model of Abaqus, CalculiX (.inp) or FEBio (.feb)",
+                    {"MODEL", "an input file of Abaqus or CalculiX (.inp), or a model of FEBio (.feb)"});
+  convert.footer(examples({"pliant convert beam.inp", "pliant convert knee.feb --units mm-N-s --output knee.yaml"}));
+  add(convert,
+      {{"-o,--output", "INPUT.yaml",
+        "the input to write, with its mesh (.msh) next to it; default: MODEL.yaml in the working directory"},
+       {"--units", "SI|mm-N-s|mm-kg-s|mm-g-s|mm-mg-s|mm-kg-ms|um-nN-s|CGS",
+        "the units of the model, from which all numbers are converted to SI; default: those that the file names, else "
+        "its numbers are kept as they are"}});
+  convert.add_flag("--force")->description("replace files that exist");
 }
 
 }  // namespace pliant

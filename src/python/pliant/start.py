@@ -1,4 +1,4 @@
-"""What `pliant render` and `pliant plot` start, as a script: python3 start.py render|plot RESULT [OPTION ...]
+"""What `pliant render`, `pliant plot` and `pliant convert` start, as a script: python3 start.py COMMAND ARGUMENT [OPTION ...]
 
 Exit codes are those of the program: 0 done, 2 an error that the user can correct, a module that is missing among them, 4 a file
 could not be written.
@@ -8,6 +8,7 @@ import pathlib
 import signal
 import sys
 
+MODULES = {"render": "pliant.pictures.render", "plot": "pliant.pictures.plot", "convert": "pliant.convert.convert"}
 # The packages of Debian that have the modules.
 PACKAGES = {"h5py": "python3-h5py", "matplotlib": "python3-matplotlib", "numpy": "python3-numpy", "PIL": "python3-pil",
             "vtkmodules": "python3-vtk9", "yaml": "python3-yaml"}
@@ -17,7 +18,7 @@ def main(command, arguments):
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # ends it without a traceback
     program = f"pliant {command}"
     try:
-        return importlib.import_module(f"pliant.pictures.{command}").main(arguments, program)
+        return importlib.import_module(MODULES[command]).main(arguments, program)
     except ImportError as error:
         module = (error.name or "").partition(".")[0]
         if module in PACKAGES:
@@ -29,5 +30,5 @@ def main(command, arguments):
 
 
 if __name__ == "__main__":
-    sys.path[0] = str(pathlib.Path(__file__).resolve().parents[2])
+    sys.path[0] = str(pathlib.Path(__file__).resolve().parents[1])
     sys.exit(main(sys.argv[1], sys.argv[2:]))

@@ -1,4 +1,4 @@
-#include "command/pictures.hpp"
+#include "command/python_command.hpp"
 
 #include "run/signals.hpp"
 
@@ -21,11 +21,11 @@ std::string interpreter() {
 
 }  // namespace
 
-ExitCode pictures_command(const std::string& command, const std::vector<std::string>& words,
-                          const Environment& environment) {
+ExitCode python_command(const std::string& command, const std::vector<std::string>& words,
+                        const Environment& environment) {
   const fs::path program = fs::read_symlink("/proc/self/exe");
   const fs::path packages = program.parent_path().parent_path() / "lib/python3/dist-packages";
-  const fs::path script = packages / "pliant/pictures/start.py";
+  const fs::path script = packages / "pliant/start.py";
   if (!fs::exists(script)) {
     throw FileError(fmt::format(
         "pliant {}: its Python code is missing: '{}' does not exist; configure and build, or install, again", command,

@@ -1,0 +1,65 @@
+"""Reads an input file of Abaqus or CalculiX."""
+import os
+
+from .abaqus_deck import read_cards
+from .abaqus_materials import AbaqusMaterials
+from .abaqus_mesh import AbaqusMesh
+from .abaqus_steps import AbaqusSteps
+from .model import Body, Model
+
+OUTPUT = {"NODEPRINT", "ELPRINT", "NODEFILE", "ELFILE", "OUTPUT", "NODEOUTPUT", "ELEMENTOUTPUT", "CONTACTFILE", "CONTACTPRINT", "CONTACTOUTPUT",
+          "SECTIONPRINT", "FACEPRINT", "ENERGYPRINT", "ENERGYOUTPUT", "ENERGYFILE", "FILEOUTPUT", "PREPRINT", "RESTART", "MONITOR", "PRINT",
+          "ELEMENTPRINT", "TIMEPOINTS"}
+CONTROLS = {"CONTROLS", "SOLVERCONTROLS", "HOURGLASSSTIFFNESS", "SECTIONCONTROLS"}
+
+
+def read(file, diagnostics):
+    """The model; what is left out of it goes to the diagnostics. Raises PliantError with the line for what cannot be read."""
+    model = Model("Abaqus or CalculiX", title=os.path.splitext(os.path.basename(file))[0])
+    mesh, materials = AbaqusMesh(model, diagnostics), AbaqusMaterials(diagnostics)
+    steps = AbaqusSteps(model, mesh, diagnostics)
+    sections, output, controls = [], [], []
+    for card in read_cards(file, diagnostics):
+        if mesh.read(card) or materials.read(card) or steps.read(card):
+            continue
+        if card.keyword == "HEADING":
+            model.title = next((" ".join(" ".join(entries).split()) for _, entries in card.data if any(entries)), model.title)
+        elif card.keyword == "SOLIDSECTION":
+            sections.append(card)
+        elif card.keyword in OUTPUT:
+            output.append(card)
+        elif card.keyword in CONTROLS:
+            controls.append(card)
+        else:
+            parameters = "".join(f", {name}{'=' + value if value else ''}" for name, value in card.parameters.items())
+            diagnostics.omit(card.line, f"{card.title}{parameters}")
+    mesh.finish()
+    for cards, text in ((output, "requests of output: `output` and `probes` of the input"), (controls, "controls of the solver: `solver` of the input")):
+        if cards:
+            diagnostics.omit(cards[0].line, f"{', '.join(dict.fromkeys(card.title for card in cards))}: {text}")
+    nonlinear = steps.is_nonlinear or any(m.elasticity and not m.is_linear for m in materials.by_name.values())
+    finished = set()
+    for card in sections:
+        add_body(model, card, mesh, materials, nonlinear, finished, diagnostics)
+    steps.finish(nonlinear)
+    return model
+
+
+def add_body(model, card, mesh, materials, nonlinear, finished, diagnostics):
+    name = mesh.spelled("element", card.value("ELSET"))
+    material = materials.by_name.get(card.upper("MATERIAL"))
+    if name not in model.element_sets:
+        raise diagnostics.wrong(card.line, f"the set of elements '{name}' is not defined")
+    if material is None:
+        raise diagnostics.wrong(card.line, f"the material '{card.value('MATERIAL')}' is not defined")
+    if card.has("ORIENTATION"):
+        diagnostics.omit(card.line, f"{card.title}, ORIENTATION")
+    if not model.element_sets[name]:
+        return  # elements without a counterpart
+    if material.name not in finished:
+        materials.finish(material, nonlinear)
+        finished.add(material.name)
+    if material.elasticity is None:
+        diagnostics.missing(material.line, f"material {material.name}: it has no elastic law that could be converted")
+    model.bodies.append(Body(name, material.elasticity, material.density, material.viscosity, material.poisson,
+                             bool(material.prony) and material.elasticity is not None and not material.is_linear))

@@ -1,0 +1,206 @@
+"""Nodes, elements, sets and surfaces of an input file of Abaqus or CalculiX."""
+import collections
+import re
+
+import numpy as np
+
+from .abaqus_deck import real, whole
+from .cells import KINDS
+
+# Prefix of a type; the rest of its name are letters (reduced integration, hybrid, ...).
+SOLIDS = {"C3D4": "tetrahedron", "C3D5": "pyramid", "C3D6": "wedge", "C3D8": "brick", "C3D10": "quadratic tetrahedron",
+          "C3D15": "quadratic wedge", "C3D20": "quadratic brick", "C3D13": "quadratic pyramid"}
+GENERATING = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SUBMODEL")
+
+
+def kind_of(name):
+    match = re.match(r"(C3D\d+)([A-Z]*)\Z", name)
+    return SOLIDS.get(match[1]) if match else None
+
+
+class AbaqusMesh:
+    """Reads the cards of the mesh; `model` gets points, elements, sets and surfaces."""
+
+    def __init__(self, model, diagnostics):
+        self.model, self.diagnostics = model, diagnostics
+        self.row_of_node, self.row_of_element = {}, {}
+        self.points = []
+        self.left_out = collections.Counter()
+        self.first_left_out = None
+        self.names = {}  # of sets as they were spelled first, by kind and capitals
+        self.level, self.parts, self.instances = "model", 0, 0
+        self.handlers = {"NODE": self.read_nodes, "ELEMENT": self.read_elements, "NSET": self.read_node_set, "ELSET": self.read_element_set,
+                         "SURFACE": self.read_surface, "PART": self.enter_part, "INSTANCE": self.enter_instance,
+                         "ENDINSTANCE": self.leave_instance, "ENDPART": self.leave, "ASSEMBLY": self.enter_assembly, "ENDASSEMBLY": self.leave}
+
+    def read(self, card):
+        """Whether the card is one of the mesh."""
+        if card.keyword in GENERATING:
+            raise self.diagnostics.wrong(card.line, f"{card.title} is not supported: write the file with all nodes and elements (Abaqus/CAE does)")
+        if card.keyword not in self.handlers:
+            return False
+        self.handlers[card.keyword](card)
+        return True
+
+    def finish(self):
+        if not self.points:
+            raise self.diagnostics.wrong(1, "the file has no nodes (*NODE)")
+        self.model.points = np.array(self.points)
+        if self.left_out:
+            self.diagnostics.omit(self.first_left_out, "elements of types without a counterpart: "
+                                  + ", ".join(f"{count} {name}" for name, count in self.left_out.items()))
+
+    def spelled(self, kind, name):
+        """The name of a set without its instance, as it was spelled first: names are compared without regard to case."""
+        name = name.rpartition(".")[2] if self.instances else name
+        return self.names.setdefault((kind, name.upper()), name)
+
+    # ------------------------------------------------------------------ structure
+    def enter_part(self, card):
+        self.parts += 1
+        if self.parts > 1:
+            raise self.diagnostics.wrong(card.line, "there is a second part, but only one can be read: join them (Abaqus/CAE: Assembly, Merge/Cut)")
+
+    def enter_instance(self, card):
+        self.instances += 1
+        if self.instances > 1:
+            raise self.diagnostics.wrong(card.line, "there is a second instance, but only one can be read: join them (Abaqus/CAE: Assembly, Merge/Cut)")
+        if any(real(entries, k, line, self.diagnostics, "a number that places the instance") for line, entries in card.data for k in range(len(entries))):
+            raise self.diagnostics.wrong(card.line, "the instance is translated or rotated, which is not supported: write a file without parts")
+
+    def enter_assembly(self, _):
+        self.level = "assembly"
+
+    def leave_instance(self, _):
+        pass
+
+    def leave(self, _):
+        self.level = "model"
+
+    # ------------------------------------------------------------------ nodes and elements
+    def read_nodes(self, card):
+        if self.level == "assembly":
+            self.diagnostics.omit(card.line, "nodes of the assembly, such as reference points")
+            return
+        if card.upper("SYSTEM", "R") not in ("", "R"):
+            raise self.diagnostics.wrong(card.line, "nodes in cylindrical or spherical coordinates are not supported")
+        members = self.node_set(card.value("NSET")) if card.has("NSET") else []
+        for line, entries in card.data:
+            label = whole(entries[0], line, self.diagnostics, "the number of a node")
+            x = [real(entries, k, line, self.diagnostics, "a coordinate", 0.0) for k in (1, 2, 3)]
+            if label in self.row_of_node:  # as in CalculiX, the later one counts
+                self.points[self.row_of_node[label]] = x
+            else:
+                self.row_of_node[label] = len(self.points)
+                self.points.append(x)
+            members.append(self.row_of_node[label])
+
+    def read_elements(self, card):
+        kind = kind_of(card.upper("TYPE"))
+        name = card.value("ELSET")
+        members = self.element_set(name) if name else []
+        if kind is None:
+            self.first_left_out = self.first_left_out or card.line
+            self.left_out[card.upper("TYPE")] += len(card.data)
+            return
+        wanted = KINDS[kind].nodes + 1
+        labels = []
+        for line, entries in card.data:
+            labels += [whole(entry, line, self.diagnostics, "the number of an element or node") for entry in entries if entry]
+            if len(labels) < wanted:
+                continue
+            if len(labels) > wanted:
+                raise self.diagnostics.wrong(line, f"an element of type {card.upper('TYPE')} has {wanted - 1} nodes, not {len(labels) - 1}")
+            try:
+                rows = [self.row_of_node[label] for label in labels[1:]]
+            except KeyError as error:
+                raise self.diagnostics.wrong(line, f"node {error} of element {labels[0]} is not defined before this line") from None
+            self.row_of_element[labels[0]] = len(self.model.elements)
+            members.append(len(self.model.elements))
+            self.model.kinds.append(kind)
+            self.model.elements.append(rows)
+            labels = []
+        if labels:
+            raise self.diagnostics.wrong(card.data[-1][0], f"the nodes of element {labels[0]} are incomplete")
+
+    # ------------------------------------------------------------------ sets
+    def node_set(self, name):
+        return self.model.node_sets.setdefault(self.spelled("node", name), [])
+
+    def element_set(self, name):
+        return self.model.element_sets.setdefault(self.spelled("element", name), [])
+
+    def rows(self, text, line, sets, kind, table):
+        """Members of a set that a set's name or a number stands for; those that were left out are not among them."""
+        name = self.spelled(kind, text)
+        if name in sets:
+            return sets[name]
+        label = whole(text, line, self.diagnostics, f"'{text}' is not the name of a set of {kind}s before this line, and")
+        return [table[label]] if label in table else []
+
+    def nodes(self, text, line):
+        return self.rows(text, line, self.model.node_sets, "node", self.row_of_node)
+
+    def elements(self, text, line):
+        return self.rows(text, line, self.model.element_sets, "element", self.row_of_element)
+
+    def read_set(self, card, members, kind):
+        table = self.row_of_node if kind == "node" else self.row_of_element
+        in_own_numbers = self.level == "assembly" and not card.has("INSTANCE")  # of reference points
+        for line, entries in card.data:
+            if card.has("GENERATE"):
+                first, last, step = (whole(entries[k] if k < len(entries) and entries[k] else "1", line, self.diagnostics, "a limit of the set") for k in range(3))
+                if (last - first) // max(step, 1) > len(table):
+                    raise self.diagnostics.wrong(line, "the range has more numbers than the file has nodes or elements before it")
+                if not in_own_numbers:
+                    members += [table[label] for label in range(first, last + 1, max(step, 1)) if label in table]
+                continue
+            for entry in entries:
+                if entry and not (in_own_numbers and entry.isdigit()):
+                    members += (self.nodes if kind == "node" else self.elements)(entry, line)
+        members[:] = dict.fromkeys(members)
+
+    def read_node_set(self, card):
+        members = self.node_set(card.value("NSET"))
+        if card.has("ELSET"):
+            members += [node for e in self.elements(card.value("ELSET"), card.line) for node in self.model.elements[e]]
+        self.read_set(card, members, "node")
+
+    def read_element_set(self, card):
+        self.read_set(card, self.element_set(card.value("ELSET")), "element")
+
+    def read_surface(self, card):
+        name, kind = card.value("NAME"), card.upper("TYPE", "ELEMENT")
+        if kind == "NODE":
+            members = self.node_set(name)
+            for line, entries in card.data:
+                members += self.nodes(entries[0], line)
+            return
+        if kind != "ELEMENT":
+            self.diagnostics.omit(card.line, f"{card.title}, TYPE={kind}: an analytical surface is an obstacle of 'contact' in the input")
+            return
+        faces = self.model.surfaces.setdefault(self.spelled("surface", name), [])
+        for line, entries in card.data:
+            rows = self.elements(entries[0], line)
+            side = entries[1].upper() if len(entries) > 1 else ""
+            faces += self.outer_faces(rows) if not side else self.sides(rows, side, line)
+
+    def sides(self, rows, side, line):
+        """Faces S1, S2, ... of elements, by their corners."""
+        if not re.fullmatch(r"S[1-6]", side):
+            raise self.diagnostics.wrong(line, f"'{side}' is not a side of a solid element: they are S1 to S6")
+        faces = []
+        for row in rows:
+            kind = KINDS[self.model.kinds[row]]
+            if int(side[1]) > len(kind.faces):
+                raise self.diagnostics.wrong(line, f"an element has {len(kind.faces)} sides, not {side}")
+            faces.append(tuple(self.model.elements[row][k] for k in kind.faces[int(side[1]) - 1]))
+        return faces
+
+    def outer_faces(self, rows):
+        """Faces of these elements that one element of the model has."""
+        count = collections.Counter(frozenset(face) for row in range(len(self.model.elements)) for face in self.faces_of(row))
+        return [face for row in rows for face in self.faces_of(row) if count[frozenset(face)] == 1]
+
+    def faces_of(self, row):
+        return [tuple(self.model.elements[row][k] for k in face) for face in KINDS[self.model.kinds[row]].faces]

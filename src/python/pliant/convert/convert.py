@@ -1,0 +1,145 @@
+"""Writes an input of Pliant, and its mesh, from a model of Abaqus, CalculiX or FEBio."""
+import os
+import sys
+
+from pliant.error import PliantError
+
+from . import abaqus, febio, forces, msh
+from ..command_line import Parser, exit_code
+from .input_text import InputText
+from .mesh import Mesh
+from .model import Diagnostics
+from .units import SYSTEMS, factor
+
+READERS = {".inp": abaqus.read, ".feb": febio.read}
+KEYS = {3: "volume", 2: "surface", 1: "curve", 0: "point"}
+# A Poisson's ratio above which elements of the input lock without pressures of their own.
+NEARLY_INCOMPRESSIBLE = 0.45
+# Laws without a separate resistance to a change of volume.
+WITHOUT_PRESSURE = ("linear", "saint-venant-kirchhoff")
+
+
+def parser_of(program):
+    parser = Parser(prog=program, description=__doc__)
+    parser.add_argument("model", help="an input file of Abaqus or CalculiX (.inp), or a model of FEBio (.feb)")
+    parser.add_argument("-o", "--output", help="the input to write, with its mesh (.msh) next to it; default: MODEL.yaml in the working directory")
+    parser.add_argument("--units", choices=SYSTEMS, help="the units of the model, from which all numbers are converted to SI; default: those that "
+                        "the file names, else its numbers are kept as they are")
+    parser.add_argument("--force", action="store_true", help="replace files that exist")
+    return parser
+
+
+def main(arguments, program):
+    options = parser_of(program).parse_args(arguments)
+    return exit_code(program, lambda: convert(options), PliantError, options.output, ".yaml")
+
+
+def convert(options):
+    stem, kind = os.path.splitext(options.model)
+    if kind.lower() not in READERS:
+        raise PliantError(f"{options.model}: the name must end in .inp (Abaqus, CalculiX) or .feb (FEBio)")
+    output = options.output or os.path.basename(stem) + ".yaml"
+    if os.path.splitext(output)[1] not in (".yaml", ".yml"):
+        raise PliantError(f"{output}: the name must end in .yaml")
+    mesh_file = os.path.splitext(output)[0] + ".msh"
+    for file in (output, mesh_file):
+        if os.path.exists(file) and not options.force:
+            raise PliantError(f"{file} exists: name another file with --output, or replace it with --force")
+    diagnostics = Diagnostics(options.model)
+    model = READERS[kind.lower()](options.model, diagnostics)
+    system = options.units or model.units or "SI"
+    if not options.units and not model.units:
+        diagnostics.note(None, "the file does not name its units: its numbers are kept and mean SI in the input; if they are millimetres, newtons "
+                         "and MPa, convert again with --units mm-N-s")
+    mesh = mesh_of(model, diagnostics)
+    text = input_of(model, mesh, system, os.path.basename(mesh_file), diagnostics)
+    msh.write(mesh_file, mesh, factor(system, (0, 1, 0)))
+    with open(output, "w", encoding="utf-8") as out:
+        out.write(head(model, diagnostics, system) + text)
+    report(output, mesh_file, diagnostics)
+
+
+def mesh_of(model, diagnostics):
+    """The mesh with a group for each set and surface; groups of elements without a body are left out."""
+    members = sorted({row for body in model.bodies for row in model.element_sets[body.elements]})
+    if not members:
+        raise PliantError(f"{diagnostics.file}: no solid elements (bricks, wedges, pyramids, tetrahedra) have a material")
+    mesh = Mesh(model, members)
+    if any("brick" in kind or "wedge" in kind or "pyramid" in kind for kind in mesh.by_kind):
+        diagnostics.note(None, f"{sum(len(rows) for rows in mesh.by_kind.values())} elements were cut into {len(mesh.cells)} tetrahedra"
+                         + ("" if mesh.quadratic else ", with quadratic displacements (element: P2)"))
+    inverted, flat = mesh.inverted
+    if inverted:
+        diagnostics.note(None, f"{inverted} tetrahedra had their nodes in the order of a negative volume, and were reordered")
+    if flat:
+        diagnostics.note(None, f"{flat} tetrahedra have no volume: 'pliant check' will name them")
+    present = set(members)
+    for name, rows in model.element_sets.items():
+        if present & set(rows):
+            mesh.name_elements(name, present & set(rows))
+    for name, faces in model.surfaces.items():
+        mesh.name_faces(name, faces)
+    for name, rows in model.node_sets.items():
+        taken = [KEYS[d] for d in (3, 2) if name in mesh.groups[d]]
+        model.node_sets[name] = (name + "_nodes" if taken else name, rows)
+    model.dimensions = {new: mesh.name_nodes(new, rows) for new, rows in model.node_sets.values()}
+    return mesh
+
+
+def groups_of(model, selection):
+    """Keys that select it, one for each dimension of its groups."""
+    if selection is None:
+        return [{}]
+    if selection.kind == "element":
+        return [{"volume": selection.name}]
+    if selection.kind == "face":
+        return [{"surface": selection.name}]
+    name = model.node_sets[selection.name][0]
+    return [{KEYS[dimension]: name} for dimension in model.dimensions[name]]
+
+
+def input_of(model, mesh, system, mesh_file, diagnostics):
+    constraints, loads = [], []
+    for selection, keys in model.constraints:
+        groups = groups_of(model, selection)
+        named = {} if len(groups) == 1 and "surface" in groups[0] else {"name": selection.name}  # else without a column in the history
+        constraints += [{**named, **group, **keys} for group in groups]
+    for selection, keys in model.loads:
+        loads += [{**group, **keys} for group in groups_of(model, selection)]
+    loads += forces.add_loads(model, mesh, diagnostics)
+    element = "P1" if mesh.is_linear_only else "P2"
+    volumetric = volumetric_of(model, element, diagnostics)
+    return "\n".join(InputText(model, system).lines(mesh_file, element, volumetric, constraints, loads)) + "\n"
+
+
+def volumetric_of(model, element, diagnostics):
+    laws = {body.elasticity["model"] for body in model.bodies if body.elasticity}
+    hard = any(body.poisson > NEARLY_INCOMPRESSIBLE for body in model.bodies)
+    needs_pressure = any(body.elasticity and (body.elasticity.get("incompressible") or body.shape_relaxes) for body in model.bodies)
+    if not hard and not needs_pressure:
+        return "standard"
+    if not laws & set(WITHOUT_PRESSURE) or needs_pressure:
+        return "mixed"
+    if element == "P2":
+        return "mean-dilatation"
+    diagnostics.note(None, "a body is nearly incompressible, and its linear tetrahedra will lock: use element: P2 with volumetric: mean-dilatation")
+    return "standard"
+
+
+def head(model, diagnostics, system):
+    lines = [f"Written by pliant convert from {diagnostics.file} ({model.program}); numbers in "
+             + ("SI." if system == "SI" else f"SI, converted from {system}.")]
+    for title, entries in (("Not in this input:", diagnostics.left_out), ("Note:", diagnostics.notes)):
+        if entries:
+            lines += [title, *("  " + line for line in diagnostics.lines(entries))]
+    return "".join(f"# {line}\n" for line in lines)
+
+
+def report(output, mesh_file, diagnostics):
+    for line in diagnostics.lines(diagnostics.left_out):
+        print(f"warning: {line}", file=sys.stderr)
+    for line in diagnostics.lines(diagnostics.notes):
+        print(f"note: {line}", file=sys.stderr)
+    print(f"{output}\n{mesh_file}")
+    if diagnostics.incomplete:
+        print("warning: the input is not complete: see the warnings above, and what pliant check asks for", file=sys.stderr)

@@ -1,0 +1,122 @@
+"""Functions of time: amplitudes and load curves as formulas of t."""
+import bisect
+import dataclasses
+
+
+@dataclasses.dataclass(frozen=True)
+class Segment:
+    """From `start` to `end` the value changes from `first` to `last`: linearly, or by Abaqus's smooth step."""
+
+    start: float
+    end: float
+    first: float
+    last: float
+    smooth: bool = False
+
+    def at(self, t):
+        x = min(max((t - self.start) / (self.end - self.start), 0.0), 1.0) if self.end > self.start else 1.0
+        return self.first + (self.last - self.first) * (x**3 * (10 - 15 * x + 6 * x * x) if self.smooth else x)
+
+
+@dataclasses.dataclass(frozen=True)
+class Course:
+    """Segments in their order, without gaps; constant before and after."""
+
+    segments: tuple
+
+    @staticmethod
+    def constant(value):
+        return Course((Segment(0.0, 0.0, value, value),))
+
+    @staticmethod
+    def through(points, interpolation="linear"):
+        """Of a table of (time, value); `interpolation`: linear, smooth, or step: the value of the next point."""
+        points = sorted(points, key=lambda point: point[0])
+        if len(points) == 1:
+            return Course.constant(points[0][1])
+        pairs = [(p, q) for p, q in zip(points, points[1:]) if q[0] > p[0]]
+        if not pairs:
+            return Course.constant(points[-1][1])
+        return Course(tuple(Segment(p[0], q[0], q[1] if interpolation == "step" else p[1], q[1], interpolation == "smooth") for p, q in pairs))
+
+    def at(self, t):
+        index = bisect.bisect_left([s.end for s in self.segments], t)
+        return self.segments[min(index, len(self.segments) - 1)].at(t)
+
+    def scaled(self, factor):
+        return Course(tuple(dataclasses.replace(s, first=s.first * factor, last=s.last * factor) for s in self.segments))
+
+    def within(self, start, end):
+        """The same from `start` to `end`; a smooth segment that is cut becomes a chain of linear ones."""
+        cut = []
+        for s in self.segments:
+            low, high = max(s.start, start), min(s.end, end)
+            if high <= low:
+                continue
+            if s.smooth and (low, high) != (s.start, s.end):
+                times = [low + (high - low) * k / 16 for k in range(17)]
+                cut += [Segment(a, b, s.at(a), s.at(b)) for a, b in zip(times, times[1:])]
+            else:
+                cut.append(Segment(low, high, s.at(low), s.at(high), s.smooth))
+        if not cut or cut[0].start > start:
+            cut.insert(0, Segment(start, cut[0].start if cut else end, self.at(start), self.at(start)))
+        if cut[-1].end < end:
+            cut.append(Segment(cut[-1].end, end, cut[-1].last, cut[-1].last))
+        return Course(tuple(cut))
+
+    def shifted(self, by):
+        return Course(tuple(dataclasses.replace(s, start=s.start + by, end=s.end + by) for s in self.segments))
+
+    def followed_by(self, other):
+        return Course(self.segments + other.segments)
+
+    @property
+    def is_constant(self):
+        return len({value for s in self.segments for value in (s.first, s.last)}) == 1
+
+    def formula(self, until, unit=1.0, unit_of_time=1.0):
+        """A number, or a formula of t in SI, that is right up to the time `until`."""
+        joined = []
+        for s in self.segments:
+            is_flat = s.first == s.last
+            if joined and is_flat and joined[-1].first == joined[-1].last == s.first:
+                joined[-1] = dataclasses.replace(joined[-1], end=s.end)
+            else:
+                joined.append(s)
+        parts = [term(s, unit, unit_of_time) for s in joined]
+        ends = [s.end for s in joined]
+        if ends[-1] < until * (1 - 1e-12) and joined[-1].first != joined[-1].last:
+            parts.append(number(joined[-1].last * unit))
+            ends.append(until)
+        if joined[0].start > 0 and joined[0].first != joined[0].last:
+            parts.insert(0, number(joined[0].first * unit))
+            ends.insert(0, joined[0].start)
+        while len(parts) > 1 and ends[-2] >= until * (1 - 1e-12):
+            del parts[-1], ends[-1]
+        if len(parts) == 1:
+            try:
+                return float(parts[0])
+            except ValueError:
+                return parts[0]
+        return " : ".join([f"t < {number(end * unit_of_time)} ? {part}" for end, part in zip(ends[:-1], parts[:-1])] + [parts[-1]])
+
+
+def number(value):
+    return f"{value:.12g}"
+
+
+def term(s, unit, unit_of_time):
+    first, change = s.first * unit, (s.last - s.first) * unit
+    start, length = s.start * unit_of_time, (s.end - s.start) * unit_of_time
+    if change == 0:
+        return number(first)
+    since = "t" if start == 0 else f"(t - {number(start)})"
+    if s.smooth:
+        x = since if length == 1 else f"({since}/{number(length)})"
+        factor, rest = change, f"{x}^3*(10 - 15*{x} + 6*{x}^2)"
+    else:
+        factor, rest = change / length, since
+    size = rest if abs(factor) == 1 else f"{number(abs(factor))}*{rest}"
+    if first == 0:
+        return size if factor > 0 else f"-{size}"
+    return f"{number(first)} {'+' if factor > 0 else '-'} {size}"

@@ -1,0 +1,120 @@
+"""A model of another program as an input of Pliant can hold it, in the units of the model."""
+import dataclasses
+import math
+import os
+from typing import Any
+
+import numpy as np
+
+from pliant.error import PliantError
+
+
+class Diagnostics:
+    """What became of a model besides what stands in the input, in the order of the file."""
+
+    def __init__(self, file):
+        self.file = os.path.basename(file)
+        self.left_out, self.notes, self.incomplete = [], [], False
+
+    def omit(self, line, text):
+        """Something of the model is not in the input."""
+        self._add(self.left_out, line, text)
+
+    def note(self, line, text):
+        """Something is in the input, but not as it was."""
+        self._add(self.notes, line, text)
+
+    def missing(self, line, text):
+        """The input needs something that the model has in a form Pliant does not have; `pliant check` asks for it."""
+        self.incomplete = True
+        self.omit(line, text)
+
+    def number(self, text, line, what):
+        """A finite number."""
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise self.wrong(line, f"{what} is missing or not a number: '{text.strip()[:40]}'")
+        return value
+
+    def wrong(self, line, text):
+        """The exception for a file that cannot be converted."""
+        return PliantError(f"{self.file}:{line}: {text}")
+
+    def _add(self, to, line, text):
+        entry = (line, text)
+        if entry not in to:
+            to.append(entry)
+
+    def lines(self, entries):
+        for line, text in sorted(entries, key=lambda entry: entry[0] or 0):
+            yield f"{self.file}:{line}: {text}" if line else f"{self.file}: {text}"
+
+
+@dataclasses.dataclass(frozen=True)
+class Quantity:
+    """A number, or a course of time, with its dimension: exponents of kilogram, metre and second."""
+
+    value: Any
+    dimension: tuple
+
+
+STRESS, DENSITY, LENGTH, TIME = (1, -1, -2), (1, -3, 0), (0, 1, 0), (0, 0, 1)
+VELOCITY, ACCELERATION, FORCE, FORCE_DENSITY, RATE = (0, 1, -1), (0, 1, -2), (1, 1, -2), (1, -2, -2), (0, 0, -1)
+STIFFNESS = (1, 0, -2)
+
+
+@dataclasses.dataclass
+class Body:
+    """Elements and what they are made of; `elements`: name of their set. `poisson`: at small strain."""
+
+    elements: str
+    elasticity: "dict | None" = None
+    density: Any = None
+    viscosity: list = dataclasses.field(default_factory=list)
+    poisson: float = 0.0
+    shape_relaxes: bool = False  # and its volume does not
+
+
+@dataclasses.dataclass
+class Selection:
+    """A group of the mesh; `kind` is node, face or element."""
+
+    kind: str
+    name: str
+
+
+@dataclasses.dataclass
+class Model:
+    """Elements have their nodes as rows of `points` in Abaqus's order; sets hold rows of `points` or of `elements`; a surface holds
+    the corners of its faces."""
+
+    program: str
+    title: str = ""
+    points: np.ndarray = None
+    kinds: list = dataclasses.field(default_factory=list)
+    elements: list = dataclasses.field(default_factory=list)
+    node_sets: dict = dataclasses.field(default_factory=dict)
+    element_sets: dict = dataclasses.field(default_factory=dict)
+    surfaces: dict = dataclasses.field(default_factory=dict)
+    bodies: list = dataclasses.field(default_factory=list)
+    constraints: list = dataclasses.field(default_factory=list)  # (Selection, keys)
+    loads: list = dataclasses.field(default_factory=list)  # (Selection or None, keys)
+    nodal_forces: list = dataclasses.field(default_factory=list)  # (name of a node set, course or None for each component), on each node
+    initial_velocity: Any = None
+    time: dict = dataclasses.field(default_factory=dict)
+    end: float = 0.0
+    step_ends: list = dataclasses.field(default_factory=list)
+    units: "str | None" = None
+    dimensions: dict = dataclasses.field(default_factory=dict)  # of the groups of node sets, by name
+
+
+def lame(young, poisson):
+    """Shear modulus and Lame's first parameter."""
+    return young / (2 * (1 + poisson)), young * poisson / ((1 + poisson) * (1 - 2 * poisson))
+
+
+def poisson_of(shear, bulk):
+    return (3 * bulk - 2 * shear) / (2 * (3 * bulk + shear))

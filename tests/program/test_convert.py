@@ -1,0 +1,370 @@
+#!/usr/bin/python3
+"""`pliant convert`: models of Abaqus, CalculiX and FEBio become inputs that have the stresses which those programs' manuals define.
+
+The models here are written by the test: one brick, or a few. Files of the programs' own test suites were converted too (docs/from-other-programs.md).
+"""
+import contextlib
+import io
+import math
+import os
+import random
+import re
+import sys
+import unittest
+
+import numpy as np
+import yaml
+
+from program import LONG, ROOT, ProgramTest, read_history
+
+sys.path.insert(0, str(ROOT / "src/python"))
+
+from pliant import PliantError  # noqa: E402
+from pliant.convert import convert as converter  # noqa: E402
+
+BRICK = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+SIDES = {"left": (1, 4, 5, 8), "front": (1, 2, 5, 6), "bottom": (1, 2, 3, 4), "right": (2, 3, 6, 7)}
+STRETCH = 1.4
+
+
+def abaqus_cubes(materials, step, more=""):
+    """Unit cubes that are held on three sides: cube1, left1, ..."""
+    text = "*HEADING\n cubes\n"
+    for k in range(1, len(materials) + 1):
+        text += "*NODE\n" + "".join(f"{8 * k + n}, {x}, {y + 3 * k}, {z}\n" for n, (x, y, z) in enumerate(BRICK, 1))
+        text += f"*ELEMENT, TYPE=C3D8, ELSET=cube{k}\n{k}, {', '.join(str(8 * k + n) for n in range(1, 9))}\n*SURFACE, NAME=end{k}\ncube{k}, S4\n"
+        text += "".join(f"*NSET, NSET={name}{k}\n{', '.join(str(8 * k + n) for n in of)}\n" for name, of in SIDES.items())
+        text += f"*BOUNDARY\nleft{k}, 1\nfront{k}, 2\nbottom{k}, 3\n"
+    for k, material in enumerate(materials, 1):
+        text += f"*MATERIAL, NAME=rubber{k}\n{material}*SOLID SECTION, ELSET=cube{k}, MATERIAL=rubber{k}\n"
+    return f"{text}{more}*STEP, NLGEOM\n{step}*END STEP\n"
+
+
+def pulled(count, by=0.4):
+    return "*STATIC\n0.25, 1.\n*BOUNDARY\n" + "".join(f"right{k}, 1, 1, {by}\n" for k in range(1, count + 1))
+
+
+def febio_cubes(materials, conditions, loads="", steps=4):
+    """The same; `materials`: type and constants of each."""
+    text = '<?xml version="1.0"?>\n<febio_spec version="4.0">\n<Module type="solid"><units>SI</units></Module>\n'
+    text += f"<Control><analysis>STATIC</analysis><time_steps>{steps}</time_steps><step_size>{1 / steps}</step_size></Control>\n<Material>\n"
+    text += "".join(f'<material id="{k}" name="rubber{k}" type="{kind}">{constants}</material>\n' for k, (kind, constants) in enumerate(materials, 1))
+    mesh, domains, held = "", "", ""
+    for k in range(1, len(materials) + 1):
+        mesh += f'<Nodes name="all{k}">' + "".join(f'<node id="{8 * k + n}">{x},{y + 3 * k},{z}</node>' for n, (x, y, z) in enumerate(BRICK, 1)) + "</Nodes>\n"
+        mesh += f'<Elements type="hex8" name="cube{k}"><elem id="{k}">{",".join(str(8 * k + n) for n in range(1, 9))}</elem></Elements>\n'
+        mesh += "".join(f'<NodeSet name="{name}{k}">{",".join(str(8 * k + n) for n in of)}</NodeSet>\n' for name, of in SIDES.items())
+        mesh += f'<Surface name="end{k}"><quad4 id="1">{8 * k + 2},{8 * k + 3},{8 * k + 7},{8 * k + 6}</quad4></Surface>\n'
+        domains += f'<SolidDomain name="cube{k}" mat="rubber{k}"/>\n'
+        held += "".join(f'<bc type="zero displacement" node_set="{name}{k}"><{dof}_dof>1</{dof}_dof></bc>\n' for name, dof in (("left", "x"), ("front", "y"), ("bottom", "z")))
+    return (f"{text}</Material>\n<Mesh>\n{mesh}</Mesh>\n<MeshDomains>\n{domains}</MeshDomains>\n<Boundary>\n{held}{conditions}</Boundary>\n<Loads>\n{loads}</Loads>\n"
+            '<LoadData><load_controller id="1" type="loadcurve"><interpolate>LINEAR</interpolate><points><pt>0,0</pt><pt>1,1</pt></points></load_controller></LoadData>\n'
+            "</febio_spec>\n")
+
+
+def febio_pull(count):
+    return "".join(f'<bc type="prescribed displacement" node_set="right{k}"><dof>x</dof><value lc="1">0.4</value></bc>\n' for k in range(1, count + 1))
+
+
+def uniaxial_force(energy):
+    """Force on a unit cube of the energy psi(l1, l2, l3) at STRETCH, free across: by differences and bisection."""
+    def slope(k, lateral, step=1e-5):
+        ends = []
+        for sign in (1, -1):
+            stretches = [STRETCH, lateral, lateral]
+            stretches[k] += sign * step
+            ends.append(energy(*stretches))
+        return (ends[0] - ends[1]) / (2 * step)
+
+    low, high = 0.5, 1.2
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (low, middle) if slope(1, middle) > 0 else (middle, high)
+    return slope(0, low)
+
+
+def invariants(*stretches):
+    """J, I1b, I2b."""
+    squares = np.square(stretches)
+    jacobian = float(np.prod(stretches))
+    i1 = squares.sum()
+    return jacobian, i1 * jacobian ** (-2 / 3), (i1 ** 2 - (squares ** 2).sum()) / 2 * jacobian ** (-4 / 3)
+
+
+def isochoric(stretches):
+    return np.array(stretches) / np.prod(stretches) ** (1 / 3)
+
+
+def of_abaqus(deviatoric, d=2e-6):
+    """Abaqus's volumetric part."""
+    return lambda *l: deviatoric(*l) + (np.prod(l) - 1) ** 2 / d
+
+
+def of_febio(deviatoric, k=1e6):
+    return lambda *l: deviatoric(*l) + k / 2 * math.log(np.prod(l)) ** 2
+
+
+def chains(mu, squared):
+    """Arruda and Boyce's series; `squared`: locking stretch squared, or links."""
+    a = (1 / 2, 1 / 20, 11 / 1050, 19 / 7000, 519 / 673750)
+    return lambda *l: mu * sum(a[k] / squared**k * (invariants(*l)[1] ** (k + 1) - 3 ** (k + 1)) for k in range(5))
+
+
+def polynomial(**c):
+    def psi(*l):
+        _, i1, i2 = invariants(*l)
+        return sum(value * (i1 - 3) ** int(name[1]) * (i2 - 3) ** int(name[2]) for name, value in c.items())
+    return psi
+
+
+def ogden(*terms):
+    """Of Abaqus: 2 mu/alpha^2 (sum l^alpha - 3)."""
+    return lambda *l: sum(2 * mu / alpha**2 * ((isochoric(l) ** alpha).sum() - 3) for mu, alpha in terms)
+
+
+def saint_venant(young, nu):
+    mu, lam = young / 2 / (1 + nu), young * nu / (1 + nu) / (1 - 2 * nu)
+    return lambda *l: mu * sum(((x * x - 1) / 2) ** 2 for x in l) + lam / 2 * sum((x * x - 1) / 2 for x in l) ** 2
+
+
+def coupled_mooney(c1, c2, k):
+    def psi(*l):
+        s, ln = np.square(l), math.log(np.prod(l))
+        return c1 * (s.sum() - 3) + c2 * ((s.sum() ** 2 - (s ** 2).sum()) / 2 - 3) - 2 * (c1 + 2 * c2) * ln + k / 2 * ln**2
+    return psi
+
+
+def neo_hookean(young, nu):
+    mu, lam = young / 2 / (1 + nu), young * nu / (1 + nu) / (1 - 2 * nu)
+    return lambda *l: mu / 2 * (np.square(l).sum() - 3) - mu * math.log(np.prod(l)) + lam / 2 * math.log(np.prod(l)) ** 2
+
+
+ABAQUS = {
+    "neo-Hooke": ("*HYPERELASTIC, NEO HOOKE\n1e5, 2e-6\n", of_abaqus(polynomial(c10=1e5))),
+    "Mooney-Rivlin": ("*HYPERELASTIC, MOONEY-RIVLIN\n8e4, 2e4, 2e-6\n", of_abaqus(polynomial(c10=8e4, c01=2e4))),
+    "polynomial by default": ("*HYPERELASTIC\n8e4, 2e4, 2e-6\n", of_abaqus(polynomial(c10=8e4, c01=2e4))),
+    "polynomial, N = 2": ("*HYPERELASTIC, POLYNOMIAL, N=2\n8e4, 2e4, 5e3, 1e3, 5e2, 2e-6, 0.\n", of_abaqus(polynomial(c10=8e4, c01=2e4, c20=5e3, c11=1e3, c02=5e2))),
+    "reduced polynomial": ("*HYPERELASTIC, REDUCED POLYNOMIAL, N=2\n8e4, 9e3, 2e-6, 0\n", of_abaqus(polynomial(c10=8e4, c20=9e3))),
+    "Yeoh": ("*HYPERELASTIC, YEOH\n8e4, -4e3, 3e3, 2e-6, 0, 0\n", of_abaqus(polynomial(c10=8e4, c20=-4e3, c30=3e3))),
+    "Ogden, N = 2": ("*HYPERELASTIC, OGDEN, N=2\n2e5, 3.5, 1e5,\n-2., 2e-6, 0.\n", of_abaqus(ogden((2e5, 3.5), (1e5, -2)))),
+    "Arruda-Boyce": ("*HYPERELASTIC, ARRUDA-BOYCE\n2e5, 1.8, 2e-6\n", lambda *l: chains(2e5, 1.8**2)(*l) + ((np.prod(l) ** 2 - 1) / 2 - math.log(np.prod(l))) / 2e-6),
+    "elastic": ("*ELASTIC\n1e6, 0.3\n", saint_venant(1e6, 0.3)),
+}
+FEBIO = {
+    "neo-Hookean": (("neo-Hookean", "<E>1e6</E><v>0.3</v>"), neo_hookean(1e6, 0.3)),
+    "isotropic elastic": (("isotropic elastic", "<E>1e6</E><v>0.3</v>"), saint_venant(1e6, 0.3)),
+    "Mooney-Rivlin": (("Mooney-Rivlin", "<c1>8e4</c1><c2>2e4</c2><k>1e6</k>"), of_febio(polynomial(c10=8e4, c01=2e4))),
+    "Mooney-Rivlin, NIKE3D": (("Mooney-Rivlin", "<c1>8e4</c1><c2>0</c2><k>1e6</k><pressure_model>1</pressure_model>"),
+                              lambda *l: polynomial(c10=8e4)(*l) + 0.25e6 * (np.prod(l) ** 2 - 1 - 2 * math.log(np.prod(l)))),
+    "coupled Mooney-Rivlin": (("coupled Mooney-Rivlin", "<c1>8e4</c1><c2>2e4</c2><k>4e5</k>"), coupled_mooney(8e4, 2e4, 4e5)),
+    # c/m^2 (sum l^m - 3): twice Abaqus's mu
+    "Ogden": (("Ogden", "<c1>4e5</c1><m1>3.5</m1><c3>2e5</c3><m3>-2</m3><k>1e6</k>"), of_febio(ogden((2e5, 3.5), (1e5, -2)))),
+    "Yeoh": (("Yeoh", "<c1>8e4</c1><c2>-4e3</c2><c3>3e3</c3><k>1e6</k>"), of_febio(polynomial(c10=8e4, c20=-4e3, c30=3e3))),
+    "Arruda-Boyce": (("Arruda-Boyce", "<mu>2e5</mu><N>3</N><k>1e6</k>"), of_febio(chains(2e5, 3))),
+}
+
+
+class Convert(ProgramTest):
+    def convert(self, name, text, *options):
+        """The input, as a document, and what was said."""
+        self.write(name, text)
+        done = self.pliant("convert", name, "--force", *options)
+        file = done.stdout.split("\n")[0]
+        return yaml.safe_load((self.directory / file).read_text()), done.stderr
+
+    def history(self, name, *settings):
+        self.pliant("run", name, "--quiet", "--output", "out", *[word for s in settings for word in ("--set", s)])
+        return read_history(self.directory / "out")
+
+    def check_laws(self, name, text, energies):
+        self.convert(name, text)
+        history = self.history("cubes.yaml")
+        for k, (law, energy) in enumerate(energies.items(), 1):
+            with self.subTest(law):
+                expected = uniaxial_force(energy)
+                self.assertGreater(expected, 1e4)
+                self.assertAlmostEqual(history[f"right{k}_fx"][-1] / expected, 1, delta=2e-6)
+
+    def test_laws_of_abaqus(self):
+        """Its energies by differences, on cubes that are pulled."""
+        text = abaqus_cubes([material for material, _ in ABAQUS.values()], pulled(len(ABAQUS)))
+        self.check_laws("cubes.inp", text, {law: energy for law, (_, energy) in ABAQUS.items()})
+
+    def test_laws_of_febio(self):
+        text = febio_cubes([constants for constants, _ in FEBIO.values()], febio_pull(len(FEBIO)))
+        self.check_laws("cubes.feb", text, {law: energy for law, (_, energy) in FEBIO.items()})
+
+    def test_versions_of_febio(self):
+        """The same model as versions 3 and 2.5 have it."""
+        newest = febio_cubes([("neo-Hookean", "<density>1</density><E>1e6</E><v>0.3</v>")], febio_pull(1),
+                             '<surface_load type="pressure" surface="end1"><pressure lc="1">4</pressure></surface_load>\n')
+        third = re.sub(r'<NodeSet name="(\w+)">([\d,]+)</NodeSet>', lambda m: f'<NodeSet name="{m[1]}">' + "".join(f'<n id="{n}"/>' for n in m[2].split(",")) + "</NodeSet>", newest)
+        third = re.sub(r'<bc type="zero displacement" node_set="(\w+)"><(\w)_dof>1</\w_dof></bc>', r'<bc type="fix" node_set="\1"><dofs>\2</dofs></bc>', third)
+        third = third.replace('type="prescribed displacement"', 'type="prescribe"').replace("<value lc", "<scale lc").replace("0.4</value>", "0.4</scale>")
+        third = third.replace('version="4.0"', 'version="3.0"').replace("<pt>", "<point>").replace("</pt>", "</point>")
+        second = third.replace('version="3.0"', 'version="2.5"').replace("<Mesh>", "<Geometry>").replace("</Mesh>", "</Geometry>")
+        second = re.sub(r"(?s)<MeshDomains>.*</MeshDomains>", "", second).replace('<Elements type="hex8" name="cube1">', '<Elements type="hex8" name="cube1" mat="1">')
+        second = re.sub(r'<bc type="fix" node_set="(\w+)"><dofs>(\w)</dofs></bc>', r'<fix bc="\2" node_set="\1"/>', second)
+        second = re.sub(r'<bc type="prescribe" node_set="(\w+)"><dof>(\w)</dof>(.*)</bc>', r'<prescribe bc="\2" node_set="\1">\3</prescribe>', second)
+        second = re.sub(r'<load_controller id="1" .*?<points>(.*)</points></load_controller>', r'<loadcurve id="1" type="linear" extend="constant">\1</loadcurve>', second)
+        second = second.replace("<analysis>STATIC</analysis>", '<analysis type="static"/>')
+        configs = [self.convert("cubes.feb", text)[0] for text in (newest, third, second)]
+        self.assertEqual(configs[0]["constraints"][-1], {"surface": "right1", "displacement": ["0.4*t", "free", "free"]})
+        self.assertEqual(configs[0], configs[1])
+        self.assertEqual(configs[0], configs[2])
+
+    def test_relaxation(self):
+        """Prony series: of Abaqus relative to fast motion, of FEBio to the state at rest."""
+        series = "*VISCOELASTIC, TIME=PRONY\n0.4, 0., 0.5\n"
+        materials = [f"*HYPERELASTIC, NEO HOOKE, MODULI={moduli}\n1e5, 2e-9\n{series}" for moduli in ("LONG TERM", "INSTANTANEOUS")]
+        step = "*VISCO, CETOL=1e-3\n0.05, 1.\n*BOUNDARY, AMPLITUDE=jump\nright1, 1, 1, 0.01\nright2, 1, 1, 0.01\n"
+        config, said = self.convert("cubes.inp", abaqus_cubes(materials, step, "*AMPLITUDE, NAME=jump\n0, 0, 0.01, 1, 1, 1\n"))
+        self.assertEqual(config["volumetric"], "mixed")
+        self.assertIn("*VISCO, CETOL", said)
+        history = self.history("cubes.yaml", "time.step=10ms")
+        after = history["time"] > 0.02
+        for k, at_rest in ((1, 1.0), (2, 0.6)):
+            rest = at_rest * 2e5 * (1.01 - 1.01**-2)
+            expected = rest * (1 + 0.4 / 0.6 * np.exp(-(history["time"][after] - 0.005) / 0.5))
+            self.assertLess(np.abs(history[f"right{k}_fx"][after] / expected - 1).max(), 1.2e-2)
+        elastic = '<elastic type="neo-Hookean"><density>1</density><E>1e5</E><v>0</v></elastic>'
+        config, _ = self.convert("cubes.feb", febio_cubes([("viscoelastic", f"<g1>0.95</g1><t1>0.01</t1>{elastic}")], ""))
+        self.assertEqual(config["bodies"][0]["viscosity"], [{"model": "prony", "ratio": 0.95, "relaxation_time": 0.01}])
+        self.assertEqual(config["bodies"][0]["elasticity"]["youngs_modulus"], 1e5)
+
+    def check_forces(self, name, text, loads, *options):
+        config, _ = self.convert(name, text, *options)
+        history = self.history("cubes.yaml")
+        for k, (load, force) in enumerate(loads, 1):
+            with self.subTest(load):
+                self.assertAlmostEqual(history[f"left{k}_fx"][-1] / -force, 1, delta=1e-7)
+        return config
+
+    def test_loads_and_units(self):
+        """Pressure, traction, forces on nodes and gravity have their resultants; millimetres, newtons, MPa."""
+        loads = [("*DLOAD\ncube1, P4, 2e-3\n", -2e-3), ("*DSLOAD\nend2, P, 2e-3\n", -2e-3), ("*DSLOAD, FOLLOWER=NO\nend3, TRVEC, 3e-3, 2., 0., 0.\n", 3e-3),
+                 ("*CLOAD\nright4, 1, 1e-3\n", 4e-3), ("*CLOAD\n42, 1, 1e-3\n", 1e-3), ("*DLOAD\ncube6, GRAV, 1e6, 1., 0., 0.\n", 1e-3), ("*DLOAD\n7, BX, 2e-3\n", 2e-3)]
+        text = abaqus_cubes(["*ELASTIC\n1., 0.3\n*DENSITY\n1e-9\n"] * len(loads), "*STATIC\n1., 1.\n" + "".join(load for load, _ in loads))
+        config = self.check_forces("cubes.inp", text.replace("*STEP, NLGEOM", "*STEP"), loads, "--units", "mm-N-s")
+        self.assertEqual(config["time"], {"method": "static"})
+        self.assertEqual(config["bodies"][0]["density"], 1000)
+        self.assertEqual(config["bodies"][0]["elasticity"], {"model": "linear", "youngs_modulus": 1e6, "poissons_ratio": 0.3})
+        # A uniform traction, given by nodal forces, is one.
+        self.assertIn({"surface": "traction_1", "traction": [4000, 0, 0]}, config["loads"])
+        pressure = '<surface_load type="pressure" surface="end2"><pressure lc="1">4</pressure><linear>1</linear></surface_load>\n'
+        inward = '<surface_load type="pressure" surface="end3"><pressure lc="1">4</pressure></surface_load>\n'
+        loads = [('<nodal_load type="nodal_force" node_set="right1"><value lc="1">2,0,0</value></nodal_load>\n', 8), (pressure, -4), (inward, 4),
+                 ('<surface_load type="traction" surface="end4"><scale lc="1">2</scale><traction>3,0,0</traction></surface_load>\n', 6),
+                 ('<body_load type="const" elem_set="cube5"><x lc="1">-5</x><y>0</y><z>0</z></body_load>\n', 5)]
+        text = febio_cubes([("neo-Hookean", "<density>1</density><E>1e6</E><v>0.3</v>")] * len(loads), "", "".join(load for load, _ in loads))
+        ordered = ",".join(str(24 + n) for n in (2, 3, 7, 6))
+        self.assertIn(ordered, text)
+        # A follower pressure on a face that has become wider pushes more; there the lateral stretch enters.
+        self.check_forces("cubes.feb", text.replace(ordered, ",".join(reversed(ordered.split(",")))), loads[:2])
+        history = read_history(self.directory / "out")
+        for k, (_, force) in enumerate(loads[2:], 3):
+            self.assertAlmostEqual(history[f"left{k}_fx"][-1] / -force, 1, delta=1e-4)
+
+    def test_courses(self):
+        """Ramps over steps and amplitudes."""
+        steps = (pulled(1, 0.1) + "*END STEP\n*AMPLITUDE, NAME=saw\n0, 1, 1, 0.5, 2, 2\n*STEP, NLGEOM\n*STATIC\n0.5, 2.\n"
+                 "*BOUNDARY, AMPLITUDE=saw\nright1, 1, 1, 0.1\n")
+        config, _ = self.convert("cubes.inp", abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"], steps))
+        self.assertEqual(config["constraints"][-1]["displacement"], ["t < 1 ? 0.1*t : t < 2 ? 0.1 - 0.05*(t - 1) : 0.05 + 0.15*(t - 2)", "free", "free"])
+        self.assertEqual(config["time"], {"method": "quasistatic", "step": 0.25, "end": 3})
+        history = self.history("cubes.yaml", "probes=[{name: tip, point: [1, 4, 1]}]")
+        np.testing.assert_allclose(history["tip_x"] - 1, np.interp(history["time"], [0, 1, 2, 3], [0, 0.1, 0.05, 0.2]), atol=1e-9)
+
+    def test_quadratic_and_other_elements(self):
+        """A curved quadratic brick keeps its volume, to that of its tetrahedra; wedges and pyramids fit; all match at their faces."""
+        edges = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
+        corners = np.array(BRICK, dtype=float)
+        middles = np.array([(corners[a] + corners[b]) / 2 for a, b in edges])
+        middles[4:8, 2] += 0.1
+        nodes = "".join(f"{k}, {', '.join(map(str, x))}\n" for k, x in enumerate(np.concatenate([corners, middles]), 1))
+        model = (f"*NODE\n{nodes}*ELEMENT, TYPE=C3D20R, ELSET=cube\n1, {', '.join(map(str, range(1, 16)))},\n16, 17, 18, 19, 20\n*MATERIAL, NAME=m\n*ELASTIC\n1e6, 0.3\n"
+                 "*DENSITY\n1.\n*SOLID SECTION, ELSET=cube, MATERIAL=m\n*BOUNDARY\n1, 1, 3\n2, 2, 3\n4, 3\n*STEP\n*STATIC\n*DLOAD\ncube, GRAV, 1., 0, 0, -1.\n*END STEP\n")
+        self.convert("curved.inp", model)
+        reactions = self.history("curved.yaml")
+        # The top is raised by 0.1 in the middle of its edges: by 0.2 in its middle, by 0.1333 in the mean.
+        weight = sum(reactions[f"nodes_{k}_fz"][-1] for k in (1, 2, 3))
+        self.assertAlmostEqual(weight, 1 + 0.4 / 3, delta=1e-9)
+        # A house: two wedges and a pyramid.
+        model = ("*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n9,.5,.5,1.8\n*ELEMENT, TYPE=C3D6, ELSET=all\n1, 1,2,3,5,6,7\n"
+                 "2, 1,3,4,5,7,8\n*ELEMENT, TYPE=C3D5, ELSET=all\n3, 5,6,7,8,9\n*MATERIAL, NAME=m\n*ELASTIC\n1e6, 0.3\n*DENSITY\n3.\n"
+                 "*SOLID SECTION, ELSET=all, MATERIAL=m\n*NSET, NSET=base\n1,2,3,4\n*BOUNDARY\nbase, ENCASTRE\n*STEP\n*STATIC\n*DLOAD\nall, GRAV, 2., 0, 0, -1.\n*END STEP\n")
+        self.convert("house.inp", model)
+        self.assertAlmostEqual(self.history("house.yaml")["base_fz"][-1], 6 * (1 + 0.8 / 3), delta=1e-9)
+
+    def test_what_is_left_out_is_listed(self):
+        model = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n*PLASTIC\n1e3, 0.\n"], "*STATIC\n*CONTROLS, RESET\n*CONTACT PAIR, INTERACTION=i\na, b\n*DLOAD\n"
+                             "cube1, CENTRIF, 1., 0, 0, 0, 0, 0, 1\n*NODE PRINT, NSET=all\nU\n")
+        _, said = self.convert("cubes.inp", model)
+        text = (self.directory / "cubes.yaml").read_text()
+        lines = model.split("\n")
+        for card in ("*PLASTIC", "*CONTACT PAIR, INTERACTION=i", "*DLOAD of the type CENTRIF", "*NODE PRINT", "*CONTROLS"):
+            line = 1 + next(k for k, content in enumerate(lines) if content.startswith("cube1, CENTRIF" if "CENTRIF" in card else card))
+            self.assertIn(f"warning: cubes.inp:{line}: {card}", said)
+            self.assertIn(f"#   cubes.inp:{line}: {card}", text)
+        model = febio_cubes([("trans iso Mooney-Rivlin", "<c1>1</c1>")], "").replace("<Loads>", '<Contact><contact type="sliding-elastic"/></Contact><Loads>')
+        _, said = self.convert("cubes.feb", model)
+        self.assertIn("there is no law 'trans iso Mooney-Rivlin'", said)
+        self.assertIn("<Contact>", said)
+        self.assertIn("the input is not complete", said)
+        self.assertIn("missing key 'elasticity'", self.pliant("check", "cubes.yaml", status=2).stderr)
+
+    def test_errors(self):
+        def fails(text, words, name="cube.inp", status=2):
+            self.write(name, text)
+            done = self.call("convert", name, "--force")
+            self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (status, "", 1), done.stderr)
+            self.assertRegex(done.stderr, "^pliant convert: " + words)
+
+        good = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"], pulled(1))
+        fails("hello\n", "cube.inp:1: the file begins with data")
+        fails(good.replace("14, 1, 3, 1", "14, one, 3, 1"), "cube.inp:9: a coordinate is missing or not a number: 'one'")
+        fails(good.replace("15, 16\n", "15, 99\n"), "cube.inp:13: node 99 of element 1 is not defined")
+        fails(good.replace("right1, 1, 1", "rihgt, 1, 1"), "cube.inp:\\d+: the set of nodes 'rihgt' is not defined")
+        fails(good.replace("MATERIAL=rubber1\n*S", "MATERIAL=steel\n*S"), "cube.inp:\\d+: the material 'steel' is not defined")
+        fails(good.replace("C3D8", "S4"), "cube.inp: no solid elements")
+        fails("<febio_spec", "cube.feb:1: not an XML file", "cube.feb")
+        fails('<febio_spec version="1.2"/>', "cube.feb:1: the version 1.2 is too old", "cube.feb")
+        fails('<febio_spec version="4.0"><Module type="biphasic"/></febio_spec>', "cube.feb:1: the module 'biphasic' is not supported", "cube.feb")
+        fails(febio_cubes([FEBIO["Yeoh"][0]], "").replace('mat="rubber1"', 'mat="gel"'), "cube.feb:\\d+: the material 'gel' of cube1 is not defined", "cube.feb")
+        fails("", "cube.vtk: the name must end in .inp", "cube.vtk")
+        self.write("cube.inp", good)
+        self.write("cube.yaml", "mine")
+        done = self.call("convert", "cube.inp")
+        self.assertEqual((done.returncode, (self.directory / "cube.yaml").read_text()), (2, "mine"))
+        self.assertIn("cube.yaml exists: name another file with --output, or replace it with --force", done.stderr)
+        self.assertEqual(self.call("convert", "cube.inp", "-o", "missing/cube.yaml").returncode, 4)
+
+    def test_damaged_files(self):
+        """Whatever stands in a file, it is converted, or refused with an exception that has its name."""
+        models = {"x.inp": abaqus_cubes([material for material, _ in ABAQUS.values()][:3], pulled(2) + "*DLOAD\ncube1, P4, 2e-3\n*CLOAD\nright3, 1, 1.\n",
+                                        "*AMPLITUDE, NAME=a\n0, 0, 1, 1\n*NSET, NSET=g, GENERATE\n9, 30, 1\n*TIE, NAME=t\nend1, end2\n"),
+                  "x.feb": febio_cubes([constants for constants, _ in FEBIO.values()][:3], febio_pull(2),
+                                       '<surface_load type="pressure" surface="end1"><pressure lc="1">4</pressure></surface_load>\n')}
+        some, refused = random.Random(7), 0
+        self.addCleanup(os.chdir, os.getcwd())
+        os.chdir(self.directory)
+        for _ in range(2000 if LONG else 150):
+            name = some.choice(list(models))
+            lines = models[name].split("\n")
+            for _ in range(some.randint(1, 3)):
+                i = some.randrange(len(lines))
+                at = some.randrange(len(lines[i]) + 1)
+                lines[i] = some.choice(["", lines[some.randrange(len(lines))], lines[i][:at] + some.choice("0-,.*=<>/aZ\"9e") + lines[i][at + 1:], lines[i][:at],
+                                        lines[i].replace(some.choice("0123456789"), some.choice(["", "-1", "nan", "1e999", "999999999999", "x"]))])
+            self.write(name, "\n".join(lines))
+            with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+                try:
+                    converter.convert(converter.parser_of("pliant convert").parse_args([name, "--force"]))
+                except PliantError as error:
+                    self.assertTrue(str(error).startswith(name), error)
+                    refused += 1
+        self.assertGreater(refused, 50)
+
+
+if __name__ == "__main__":
+    unittest.main()
