@@ -1,9 +1,11 @@
 #include "model/rigid_bodies.hpp"
 
+#include "input/elasticity.hpp"
 #include "material/spectral.hpp"
 #include "mesh/rod_chain.hpp"
 #include "model/rods.hpp"
 #include "model/shells.hpp"
+#include "model/wave_speeds.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 
@@ -261,6 +263,13 @@ void set_start_of_rigid_bodies(const Config& config, const NodeLayout& layout, c
 }
 
 void set_moduli_of_rigid_bodies(const Config& config, std::vector<double>& shear_moduli) {
+  for (const ShellConfig& shell : config.shells) {
+    const auto is_its_body = [&](const BodyConfig& body) { return body.is_shell && body.part.name == shell.name; };
+    const auto body = std::ranges::find_if(config.bodies, is_its_body);
+    if (body == config.bodies.end()) continue;
+    shear_moduli[static_cast<std::size_t>(body - config.bodies.begin())] =
+        wave_moduli(ElasticityRule(shell.elasticity).law_at(0, {})).smallest;
+  }
   const double stiffest = shear_moduli.empty() ? 0.0 : std::ranges::max(shear_moduli);
   for (std::size_t b = 0; b < config.bodies.size(); ++b) {
     if (config.bodies[b].is_rigid) shear_moduli[b] = stiffest > 0.0 ? stiffest : modulus_between_rigid_bodies;
