@@ -104,6 +104,15 @@ struct NearPatches {
   bool is_owned(PetscInt node) const { return node < num_owned_nodes; }
 };
 
+/// Pairs that are the same in all configurations, as those of a mesh.
+struct FixedPairs {
+  /// The patches of other ranks that they need, by their keys, their nodes and tags.
+  std::vector<std::int64_t> keys;
+  std::vector<PetscInt> global_nodes;
+  std::vector<int> tags;
+  std::vector<PatchPair> pairs;  ///< of this rank's patches, then those; ascending in their keys
+};
+
 /// A term of pairs that change with the configuration: contact between bodies. Its forces vanish smoothly at the reach,
 /// so that it does not matter when a pair is found. Every rank evaluates all pairs that have a node of its own, so that
 /// nothing is sent back; energies of a pair are counted where its first patch is owned. The term adds blocks of the
@@ -121,6 +130,9 @@ class PairCoupling {
   /// Whether two patches with these tags may couple at all; symmetric. Asked once for any two tags, of which there are
   /// to be few: those of bodies, not of patches.
   virtual bool may_couple(int tag, int other) const = 0;
+  /// Pairs that do not follow from what is near: nothing is searched then, and reach, slack and may_couple say nothing.
+  /// nullptr: those that are near one another.
+  virtual const FixedPairs* fixed_pairs() const { return nullptr; }
   /// Whether the nodes of two patches of these keys, which are near each other, couple, or one of them is known only
   /// because it may decide what others do; symmetric.
   virtual bool couples(std::int64_t /*key*/, std::int64_t /*other*/) const { return true; }

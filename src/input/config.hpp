@@ -56,6 +56,7 @@ struct BodyConfig {
   std::optional<double> density;  ///< [kg/m^3]; required for dynamics and gravity
   bool is_rigid = false;
   bool is_rod = false;                         ///< a rod, or a section of one; not from a key of the body
+  bool is_shell = false;                       ///< a free shell; not from a key of the body
   std::vector<Located<std::string>> attached;  ///< of a rigid body: names of surfaces of others that move with it
   std::vector<Located<std::string>> coupled;   ///< of a rigid body: names of surfaces whose mean motion it follows
   std::optional<double> coupling_stiffness;    ///< of these [N/m]; none: from the material and the area

@@ -11,6 +11,13 @@
 
 namespace pliant {
 
+/// A curve at the edge of a shell that bends, across which its direction is held.
+struct ClampedEdgeConfig {
+  Selection part;                               ///< a curve
+  std::optional<std::array<double, 3>> normal;  ///< of the plane of symmetry that it lies in, of any length
+  Location where;
+};
+
 /// A membrane or shell on facets of the mesh.
 struct ShellConfig {
   std::string name;
@@ -22,6 +29,8 @@ struct ShellConfig {
   std::optional<std::array<double, 3>> direction;  ///< of any length
   double damping = 0.0;                            ///< viscous resistance per stiffness [s]
   bool bends = false;                              ///< whether it resists bending too
+  bool is_free = false;                            ///< a body of its own, whose triangles bound no tetrahedron
+  std::vector<ClampedEdgeConfig> clamped;          ///< edges that hold their direction
   Location where;
 };
 

@@ -69,7 +69,7 @@ void notice_parts(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_v
 
 }  // namespace
 
-DualGraph::DualGraph(const SerialMesh& mesh) : num_cells_(mesh.num_cells()) {
+DualGraph::DualGraph(const SerialMesh& mesh, CommonNodes common) : num_cells_(mesh.num_cells()) {
   if (4 * mesh.num_cells() > static_cast<std::size_t>(std::numeric_limits<idx_t>::max())) {
     throw MeshDefect("it has " + std::to_string(mesh.num_cells()) +
                      " tetrahedra, more than METIS can partition: use a coarser mesh and `refine`");
@@ -79,7 +79,7 @@ DualGraph::DualGraph(const SerialMesh& mesh) : num_cells_(mesh.num_cells()) {
   std::vector<idx_t> offsets(mesh.num_cells() + 1);
   for (std::size_t c = 0; c < offsets.size(); ++c) offsets[c] = static_cast<idx_t>(4 * c);
   std::vector<idx_t> cells(mesh.cells.begin(), mesh.cells.end());
-  idx_t num_common = 3, numbering = 0;
+  idx_t num_common = static_cast<idx_t>(common), numbering = 0;
   idx_t* xadj = nullptr;
   idx_t* adjncy = nullptr;
   require_success(METIS_MeshToDual(&num_elements, &num_nodes, offsets.data(), cells.data(), &num_common, &numbering,

@@ -12,10 +12,14 @@
 
 namespace pliant {
 
+/// What two neighbours have in common: as many nodes.
+enum class CommonNodes { of_facets = 3, of_edges = 2 };
+
 /// Cells as graph vertices, shared facets as edges, in compressed rows; made and freed by METIS.
 class DualGraph {
  public:
-  explicit DualGraph(const SerialMesh& mesh);
+  DualGraph() = default;
+  explicit DualGraph(const SerialMesh& mesh, CommonNodes common = CommonNodes::of_facets);
 
   std::size_t num_cells() const { return num_cells_; }
   std::span<const idx_t> neighbours(std::size_t cell) const {
@@ -41,7 +45,8 @@ class DualGraph {
 /// What is not worth a notice.
 struct AddedParts {
   std::size_t num_parts = 0;                       ///< parts that stand for bodies
-  std::size_t first_of_rods = 0, num_of_rods = 0;  ///< cells of rods, which only nodes connect
+  std::size_t first_of_rods = 0, num_of_rods = 0;  ///< cells of rods and shells, which no facets
+                                                   ///< connect
 };
 
 /// Rejects tetrahedra that overlap at a common facet (both on the same side of it, or three sharing one). Adds notices

@@ -71,7 +71,9 @@ void require_whole_script(const std::string& file) {
 
 }  // namespace
 
-SerialMesh import_mesh(const MeshSource& source) {
+namespace {
+
+SerialMesh read_or_made(const MeshSource& source) {
   const std::string extension = extension_of(source.file);
   const auto reader = readers.find(extension);
   if (reader == readers.end() && !geometries.contains(extension)) {
@@ -93,6 +95,14 @@ SerialMesh import_mesh(const MeshSource& source) {
   if (source.commands == Commands::allowed) return make();
   const LoadedFiles loaded = require_no_commands(source.file);
   return loaded.is_all ? kept_or_made(recipe_of(source, loaded.files), make) : make();
+}
+
+}  // namespace
+
+SerialMesh import_mesh(const MeshSource& source) {
+  SerialMesh mesh = read_or_made(source);
+  if (mesh.cells.empty() && source.added_shells.empty()) throw no_tetrahedra(mesh.only);
+  return mesh;
 }
 
 }  // namespace pliant

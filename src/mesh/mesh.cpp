@@ -1,6 +1,7 @@
 #include "mesh/mesh.hpp"
 
 #include "mesh/added_rods.hpp"
+#include "mesh/added_shells.hpp"
 #include "mesh/added_tetrahedra.hpp"
 #include "mesh/added_volumes.hpp"
 #include "mesh/distribute.hpp"
@@ -48,8 +49,9 @@ MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   for (double& x : parts.mesh.coordinates) x *= source.scale;
   parts.curves = wanted_curves(parts.mesh, source.curves);
   add_volumes(source, parts.mesh);
-  AddedParts added{source.num_added() - source.added_rods.size(), parts.mesh.num_cells()};
+  AddedParts added{source.num_added() - source.added_rods.size() - source.added_shells.size(), parts.mesh.num_cells()};
   add_rods(source.added_rods, parts.curves, parts.mesh);
+  add_shells(source.added_shells, parts.mesh);
   added.num_of_rods = parts.mesh.num_cells() - added.first_of_rods;
   add_tetrahedra(source.added_tetrahedra, parts.mesh);
   parts.num_vertices = repair(parts.mesh, source.meeting_parts, report);
@@ -61,7 +63,9 @@ MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   source.file.empty() ? require_enough_added_cells(num_cells, num_parts) : require_enough_cells(num_cells, num_parts);
   const DualGraph graph(parts.mesh);
   check_connections(parts.mesh, graph, parts.num_vertices, added, report);
-  parts.part = graph.partition(num_parts, report.edge_cut);
+  // Cells of shells have edges in common, not facets.
+  const DualGraph by_edges = source.added_shells.empty() ? DualGraph() : DualGraph(parts.mesh, CommonNodes::of_edges);
+  parts.part = (source.added_shells.empty() ? graph : by_edges).partition(num_parts, report.edge_cut);
   return parts;
 }
 
@@ -148,7 +152,8 @@ Mesh read_mesh(MPI_Comm comm, const MeshSource& source) {
     telling_the_user(source, [&] {
       if (source.num_added() == 0) return;
       throw MeshDefect(
-          "rods and rigid bodies without a mesh cannot be added to Pliant's own format: name the mesh that it was "
+          "rods, free shells and rigid bodies without a mesh cannot be added to Pliant's own format: name the mesh "
+          "that it was "
           "made from");
     });
     parts = read_mesh_file(comm, source);

@@ -61,6 +61,13 @@ struct AddedRod {
   std::array<bool, 2> has_end{};              ///< whether the sections at the first and last point are held
 };
 
+/// A shell on a physical surface whose triangles bound no tetrahedron, as a volume of its own (mesh/added_shells.hpp).
+struct AddedShell {
+  std::string name;     ///< of the volume
+  std::string surface;  ///< name or number of the physical surface
+  Location where;       ///< the place in the user's input, for messages
+};
+
 /// The edges of a physical curve as the file has them, in the mesh of the volumes or not. Each is directed as the
 /// curve is.
 struct MeshCurve {
@@ -95,11 +102,14 @@ struct MeshSource {
   std::vector<AddedTetrahedron> added_tetrahedra = {};
   std::vector<AddedVolume> added_volumes = {};
   std::vector<AddedRod> added_rods = {};
+  std::vector<AddedShell> added_shells = {};
   /// Names or numbers of physical curves wanted as Mesh::curves.
   std::vector<std::string> curves = {};
   /// For geometry that gmsh meshes; the smallest counts where several reach.
   std::vector<LocalSize> sizes = {};
-  std::size_t num_added() const { return added_tetrahedra.size() + added_volumes.size() + added_rods.size(); }
+  std::size_t num_added() const {
+    return added_tetrahedra.size() + added_volumes.size() + added_rods.size() + added_shells.size();
+  }
 };
 
 /// The distributed mesh of tetrahedra. The vertices x0 .. x3 in the transitive closure of a cell have det(x1 - x0, x2 -

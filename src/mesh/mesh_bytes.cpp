@@ -27,6 +27,7 @@ void pack(Packer& out, const SerialMesh& mesh) {
     out.put_range(members);
   }
   pack(out, mesh.notices);
+  out.put_range(mesh.only);
 }
 
 SerialMesh unpack_mesh(Unpacker& in) {
@@ -44,6 +45,7 @@ SerialMesh unpack_mesh(Unpacker& in) {
     members = in.get_range<std::vector<PetscInt>>();
   }
   mesh.notices = unpack_texts(in);
+  mesh.only = in.get_range<std::string>();
   return mesh;
 }
 

@@ -108,13 +108,14 @@ void MeshCollector::reject_other_elements(bool groups_only) const {
                    cure_for_elements);
 }
 
-void MeshCollector::reject_without_tetrahedra() const {
+void MeshCollector::reject_without_tetrahedra() {
   std::string text;
   for (const auto& [type, count] : found_) {
     text += (text.empty() ? "" : ", ") + std::to_string(count.grouped + count.ungrouped) + " of type " + name_of(type);
   }
-  throw MeshDefect("it contains no tetrahedra, only " + (text.empty() ? "nodes" : text) +
-                   ": the geometry needs a Volume, meshed in three dimensions (gmsh -3)");
+  const auto has_triangles = [](const auto& entry) { return entry.first.first == 2 && !entry.second.members.empty(); };
+  if (std::ranges::none_of(groups_, has_triangles)) throw no_tetrahedra(text.empty() ? "nodes" : text);
+  mesh_.only = text;
 }
 
 void MeshCollector::drop_ungrouped_cells() {

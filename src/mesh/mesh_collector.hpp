@@ -44,7 +44,8 @@ class MeshCollector {
   void add_cell(int type, std::size_t tag, std::span<const std::size_t> nodes, std::span<const int> physicals);
   bool has_grouped_cells() const;
   void reject_other_elements(bool groups_only) const;
-  [[noreturn]] void reject_without_tetrahedra() const;
+  /// Unless there are triangles of groups, which may be free shells.
+  void reject_without_tetrahedra();
   void drop_ungrouped_cells();
   void sort_data_by_cell();
 

@@ -14,6 +14,11 @@ std::string joined(const std::vector<std::string>& reasons) {
 MeshDefect::MeshDefect(std::vector<std::string> reasons)
     : std::runtime_error(joined(reasons)), reasons_(std::move(reasons)) {}
 
+MeshDefect no_tetrahedra(const std::string& what) {
+  return MeshDefect("it contains no tetrahedra, only " + what +
+                    ": the geometry needs a Volume, meshed in three dimensions (gmsh -3)");
+}
+
 std::string describe(const PhysicalGroup& group) {
   constexpr std::array<const char*, 4> kinds{"point", "curve", "surface", "volume"};
   const std::string name = group.name.empty() ? std::to_string(group.tag) : "'" + group.name + "'";

@@ -27,6 +27,7 @@ struct SerialMesh {
   std::vector<SerialGroup> groups;
   std::vector<CellField> cell_data;
   std::vector<std::string> notices;  ///< the reader's notes to the user
+  std::string only;                  ///< without tetrahedra: what there is instead, "3 of type 3-node triangle"
 
   std::size_t num_nodes() const { return coordinates.size() / 3; }
   std::size_t num_cells() const { return cells.size() / 4; }
@@ -49,6 +50,9 @@ class MeshDefect : public std::runtime_error {
  private:
   std::vector<std::string> reasons_;
 };
+
+/// That a mesh has no tetrahedra, only `what`.
+MeshDefect no_tetrahedra(const std::string& what);
 
 /// "physical surface 'clamp'", or the tag if it has no name.
 std::string describe(const PhysicalGroup& group);

@@ -3,6 +3,7 @@
 #include "base/text.hpp"
 #include "energy/rigid/joint_effort.hpp"
 #include "fem/straight_cell.hpp"
+#include "model/shells.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -43,7 +44,9 @@ class Attachment {
     if (located.distance == 0.0) return located;
     const NearestOfMesh nearest = nearest_of_mesh(bodies_.layout, point.point, bodies_.is_left_out);
     if (nearest.distance <= outside_of_mesh * of_.length) {
-      return locate(bodies_.layout, std::span(&nearest.point, 1), bodies_.is_left_out).front();
+      auto at_nearest = locate(bodies_.layout, std::span(&nearest.point, 1), bodies_.is_left_out);
+      move_to_triangles(bodies_.config, bodies_.layout, bodies_.body_of_cell, at_nearest);
+      return at_nearest.front();
     }
     refuse(point, fmt::format("{} has a point at ({:g}, {:g}, {:g}), {:.3g} m outside the mesh; name its body if it is "
                               "fixed in a rigid one or to the ground: {{body: ground, point: [{:g}, {:g}, {:g}]}}",
@@ -120,8 +123,8 @@ std::vector<AttachedPoint> attach(const BodiesOnMesh& bodies, std::span<const Bo
   for (const BodyPoint& point : points) {
     if (point.body.empty()) in_mesh.push_back(point.point);
   }
-  const auto located =
-      in_mesh.empty() ? std::vector<ProbeLocation>{} : locate(bodies.layout, in_mesh, bodies.is_left_out);
+  auto located = in_mesh.empty() ? std::vector<ProbeLocation>{} : locate(bodies.layout, in_mesh, bodies.is_left_out);
+  move_to_triangles(bodies.config, bodies.layout, bodies.body_of_cell, located);
   Attachment attachment(bodies, of, errors);
   std::vector<AttachedPoint> result;
   auto next = located.begin();

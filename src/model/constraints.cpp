@@ -49,6 +49,10 @@ Constraints::Constraints(const Config& config, const NodeLayout& layout, Selecti
   for (const Part& part : parts_) {
     prescriptions.push_back({part.is_prescribed ? part.nodes : std::vector<PetscInt>(), part.displacement});
   }
+  // Nodes that no unknown belongs to.
+  GivenDisplacement rest;
+  for (auto& component : rest.components) component = Expression(0.0);
+  prescriptions.push_back({selections.inert_nodes(), rest});
   prescribed_ = std::make_unique<PrescribedDisplacement>(layout, std::move(prescriptions), HUGE_VAL);
   on_every_rank(layout.comm, [&] {
     for (const auto& [i, j] : prescribed_->conflicts(layout, times_to_compare(config))) {

@@ -2,6 +2,7 @@
 
 #include "model/rigid_bodies.hpp"
 #include "model/rods.hpp"
+#include "model/shells.hpp"
 #include "model/start_adjustment.hpp"
 #include "model/tendons.hpp"
 
@@ -44,6 +45,7 @@ MeshSource mesh_source(const Config& given) {
           added_tetrahedra(config),
           added_volumes(config),
           added_rods(config),
+          added_shells(config),
           std::move(curves),
           local_sizes(config.mesh)};
 }

@@ -252,6 +252,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
   probes_ = locate(layout_, points, left_out);
+  move_to_triangles(config, layout_, body_of_cell_, probes_);
   require_near(layout_, mesh_report_.bounds, probes_, config.probes);
   include(notes_of_distant_probes(probes_, config.probes));
 }

@@ -1,8 +1,11 @@
 #include "model/rigid_bodies.hpp"
 
+#include "input/elasticity.hpp"
 #include "material/spectral.hpp"
 #include "mesh/rod_chain.hpp"
 #include "model/rods.hpp"
+#include "model/shells.hpp"
+#include "model/wave_speeds.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 
@@ -71,7 +74,10 @@ int first_rigid_body(const Config& config, const NodeLayout& layout, const std::
 bool stands_for_body(const Config& config, int body) {
   if (body < 0) return false;
   const auto first = static_cast<int>(config.bodies.size() - config.rigid_bodies.size());
-  if (body < first) return config.bodies[static_cast<std::size_t>(body)].is_rod;
+  if (body < first) {
+    const BodyConfig& of = config.bodies[static_cast<std::size_t>(body)];
+    return of.is_rod || of.is_shell;
+  }
   return !config.rigid_bodies[static_cast<std::size_t>(body - first)].surface;
 }
 
@@ -93,6 +99,7 @@ bool is_made_rigid(const Config& config, const Selection& part) {
 
 Config with_rigid_bodies(Config config) {
   add_bodies_of_rods(config);
+  add_bodies_of_shells(config);
   for (const RigidBodyConfig& rigid : config.rigid_bodies) {
     BodyConfig body;
     body.part = part_named(Selection::Kind::volume, rigid.name, rigid.where);
@@ -216,7 +223,7 @@ RigidMass mass_of_rigid_body(const Config& config, const NodeLayout& layout, con
 std::vector<char> components_of_rigid_bodies(const Config& config, const NodeLayout& layout,
                                              const Components& components, const std::vector<int>& body_of_cell) {
   std::vector<char> result(static_cast<std::size_t>(components.count), 0);
-  if (config.rigid_bodies.empty() && config.rods.empty()) return result;
+  if (config.rigid_bodies.empty() && config.rods.empty() && !has_free_shells(config)) return result;
   std::vector<char> has_mesh(result.size(), 0);
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     const auto component = static_cast<std::size_t>(components.of_node[layout.nodes_of_cell(c)[0]]);
@@ -230,7 +237,8 @@ std::vector<char> components_of_rigid_bodies(const Config& config, const NodeLay
 }
 
 std::vector<char> cells_without_mesh(const Config& config, const std::vector<int>& body_of_cell) {
-  if ((config.rigid_bodies.empty() && config.rods.empty()) || all_stand_for_bodies(config)) return {};
+  const bool has_none = config.rigid_bodies.empty() && config.rods.empty() && !has_free_shells(config);
+  if (has_none || all_stand_for_bodies(config)) return {};
   std::vector<char> result;
   for (const int body : body_of_cell) result.push_back(stands_for_body(config, body) ? 1 : 0);
   return result;
@@ -246,7 +254,8 @@ std::vector<char> cells_without_places(const Config& config, const std::vector<i
       return rod.curve.empty() && config.bodies[b].part.name == rod.name;
     };
     const bool is_rod = config.bodies[b].is_rod && std::ranges::any_of(config.rods, is_free_rod);
-    is_left_out.push_back(stands_for_body(config, static_cast<int>(b)) && !is_rod ? 1 : 0);
+    const bool has_places = is_rod || config.bodies[b].is_shell;
+    is_left_out.push_back(stands_for_body(config, static_cast<int>(b)) && !has_places ? 1 : 0);
   }
   std::vector<char> result;
   for (const int body : body_of_cell) result.push_back(body < 0 ? 0 : is_left_out[static_cast<std::size_t>(body)]);
@@ -275,6 +284,13 @@ void set_start_of_rigid_bodies(const Config& config, const NodeLayout& layout, c
 }
 
 void set_moduli_of_rigid_bodies(const Config& config, std::vector<double>& shear_moduli) {
+  for (const ShellConfig& shell : config.shells) {
+    const auto is_its_body = [&](const BodyConfig& body) { return body.is_shell && body.part.name == shell.name; };
+    const auto body = std::ranges::find_if(config.bodies, is_its_body);
+    if (body == config.bodies.end()) continue;
+    shear_moduli[static_cast<std::size_t>(body - config.bodies.begin())] =
+        wave_moduli(ElasticityRule(shell.elasticity).law_at(0, {})).smallest;
+  }
   const double stiffest = shear_moduli.empty() ? 0.0 : std::ranges::max(shear_moduli);
   for (std::size_t b = 0; b < config.bodies.size(); ++b) {
     if (config.bodies[b].is_rigid) shear_moduli[b] = stiffest > 0.0 ? stiffest : modulus_between_rigid_bodies;
@@ -308,6 +324,11 @@ AddedBodies names_of_added_bodies(const Config& config) {
   for (std::string& name : names_of_rods(config)) {
     result.names.push_back(name);
     result.without_surface.push_back(std::move(name));
+  }
+  for (const ShellConfig& shell : config.shells) {
+    if (!shell.is_free) continue;
+    result.names.push_back(shell.name);
+    result.shells.push_back(shell.name);
   }
   return result;
 }

@@ -51,7 +51,8 @@ std::vector<char> cells_without_places(const Config& config, const std::vector<i
 void set_start_of_rigid_bodies(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,
                                Vec q, Vec v);
 
-/// Sets the moduli of rigid bodies, from which the stiffness of their contact follows: that of the stiffest other body.
+/// Sets the moduli of free shells, and of rigid bodies that of the stiffest other body: the stiffness of their contact
+/// follows from these.
 void set_moduli_of_rigid_bodies(const Config& config, std::vector<double>& shear_moduli);
 
 /// The surfaces of other bodies whose mean motion a rigid one follows, and all that it holds, attached or coupled.

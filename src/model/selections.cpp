@@ -1,6 +1,7 @@
 #include "model/selections.hpp"
 
 #include "base/text.hpp"
+#include "fem/apexes.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -78,6 +79,10 @@ Selections::Selections(const Mesh& mesh, const NodeLayout& layout, AddedBodies a
     const int group = of_cells[static_cast<std::size_t>(c)];
     if (group < 0) continue;
     const std::string& name = groups[static_cast<std::size_t>(group)].name;
+    if (std::ranges::find(added_.shells, name) != added_.shells.end()) {
+      mark_inert(c);
+      continue;
+    }
     const bool stands = std::ranges::find(added_.without_surface, name) != added_.without_surface.end();
     for (const PetscInt n : layout.nodes_of_cell(c)) {
       added_node_[static_cast<std::size_t>(n)] = stands ? Added::without_surface : Added::with_surface;
@@ -88,6 +93,19 @@ Selections::Selections(const Mesh& mesh, const NodeLayout& layout, AddedBodies a
     if (of_cells[static_cast<std::size_t>(c)] >= 0) continue;
     for (const PetscInt n : layout.nodes_of_cell(c)) added_node_[static_cast<std::size_t>(n)] = Added::none;
   }
+}
+
+// The apex of a cell of a free shell has the highest number of its corners (mesh/added_shells.hpp).
+void Selections::mark_inert(PetscInt cell) {
+  for (const PetscInt n : inert_nodes_of_cell(layout_, cell)) added_node_[static_cast<std::size_t>(n)] = Added::inert;
+}
+
+std::vector<PetscInt> Selections::inert_nodes() const {
+  std::vector<PetscInt> result;
+  for (PetscInt n = 0; n < layout_.num_owned_nodes && !added_node_.empty(); ++n) {
+    if (added_node_[static_cast<std::size_t>(n)] == Added::inert) result.push_back(n);
+  }
+  return result;
 }
 
 bool Selections::is_added(const PhysicalGroup& group) const {
@@ -145,8 +163,11 @@ std::vector<PetscInt> Selections::nodes(const Selection& part) {
   } else {
     result = nodes_in_region(layout_, region(part));
   }
-  if (!is_group(part.kind) && !added_node_.empty()) {
-    std::erase_if(result, [&](PetscInt n) { return added_node_[static_cast<std::size_t>(n)] != Added::none; });
+  if (!added_node_.empty()) {
+    std::erase_if(result, [&](PetscInt n) {
+      const Added added = added_node_[static_cast<std::size_t>(n)];
+      return added == Added::inert || (added != Added::none && !is_group(part.kind));
+    });
   }
   if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
     report(part.where, fmt::format("{} contains no node of the mesh; `pliant check` shows the mesh's extent and groups",
@@ -162,9 +183,11 @@ FacetList Selections::facets(const Selection& part) {
     if (g == nullptr) return result;
     result = facets_of_group(mesh_, layout_, *g);
   } else if (part.kind == Selection::Kind::everything) {
-    result = without(surface_facets(mesh_, layout_, [](const auto&) { return true; }), {Added::without_surface});
+    result = without(surface_facets(mesh_, layout_, [](const auto&) { return true; }),
+                     {Added::without_surface, Added::inert});
   } else {
-    result = without(surface_facets(mesh_, layout_, region(part)), {Added::with_surface, Added::without_surface});
+    result = without(surface_facets(mesh_, layout_, region(part)),
+                     {Added::with_surface, Added::without_surface, Added::inert});
   }
   if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
     report(part.where,

@@ -15,6 +15,7 @@ namespace pliant {
 struct AddedBodies {
   std::vector<std::string> names;
   std::vector<std::string> without_surface;  ///< of them, those that only stand for a body
+  std::vector<std::string> shells;           ///< of them, free shells, whose facets are all that is of them
 };
 
 /// Resolves selections and keeps every error, so that all are reported at once. Its answers and errors are the same on
@@ -45,6 +46,9 @@ class Selections {
   void report(Location where, std::string message) {
     errors_.push_back({Severity::error, std::move(where), std::move(message)});
   }
+  /// Owned nodes of free shells that no triangle has: the apexes of their cells. No other answer contains them. Not
+  /// collective.
+  std::vector<PetscInt> inert_nodes() const;
   /// Throws InputError if there were errors. Not collective, but the same on every rank.
   void throw_if_errors() const;
 
@@ -54,7 +58,9 @@ class Selections {
  private:
   const PhysicalGroup* group(const Selection& part);
   bool is_added(const PhysicalGroup& group) const;
-  enum class Added : char { none, with_surface, without_surface };
+  /// A node that is inert belongs to no triangle of a free shell.
+  enum class Added : char { none, with_surface, without_surface, inert };
+  void mark_inert(PetscInt cell);
   /// The list without what belongs to added volumes of these kinds.
   FacetList without(const FacetList& facets, std::initializer_list<Added> kinds) const;
 

@@ -1,5 +1,6 @@
 #include "model/shells.hpp"
 
+#include "fem/apexes.hpp"
 #include "input/checks/volumetric.hpp"
 #include "input/elasticity.hpp"
 #include "petsc/collective.hpp"
@@ -62,19 +63,84 @@ MembraneTerms membrane_of(const ShellConfig& config, const NodeLayout& layout, c
 }
 
 /// D = E h^3 / (12 (1 - nu^2)) of the thickness h that the layer has on the surface.
-std::unique_ptr<ShellBending> bending_of(const ShellConfig& config, const NodeLayout& layout, const FacetList& facets) {
+std::unique_ptr<ShellBending> bending_of(const ShellConfig& config, const NodeLayout& layout, const ModelShell& shell) {
   const ElasticityRule rule(config.elasticity);
   const double h = shape_of(config).volume_per_area();
-  return std::make_unique<ShellBending>(layout, facets, [&](const std::array<double, 3>& X) {
+  const auto stiffness = [&](const std::array<double, 3>& X) {
     const ElasticLawSpec law = rule.law_at(0, X);
     require_compressible_layer(law, config);
     const Lame rest = law.at_rest().value();  // of laws without fibres
     const double nu = poissons_ratio(rest), E = 2.0 * rest.mu * (1.0 + nu);
     return BendingStiffness{E * h * h * h / (12.0 * (1.0 - nu * nu)), nu};
-  });
+  };
+  auto bending = std::make_unique<ShellBending>(layout, shell.facets, stiffness, shell.clamped);
+  if (bending->num_unclamped() > 0) {
+    throw InputError(config.clamped.front().where,
+                     fmt::format("{} edges of the curves of 'clamped' do not bound shell '{}': name curves at its edge",
+                                 bending->num_unclamped(), config.name));
+  }
+  return bending;
 }
 
 }  // namespace
+
+bool has_free_shells(const Config& config) {
+  return std::ranges::any_of(config.shells, &ShellConfig::is_free);
+}
+
+void add_bodies_of_shells(Config& config) {
+  for (const ShellConfig& shell : config.shells) {
+    if (!shell.is_free) continue;
+    BodyConfig& body = config.bodies.emplace_back();
+    body.part.kind = Selection::Kind::volume;
+    body.part.name = shell.name;
+    body.part.where = shell.where;
+    body.is_shell = true;
+    body.where = shell.where;
+  }
+}
+
+std::vector<AddedShell> added_shells(const Config& config) {
+  std::vector<AddedShell> result;
+  for (const ShellConfig& shell : config.shells) {
+    if (shell.is_free) result.push_back({shell.name, shell.part.name, shell.part.where});
+  }
+  return result;
+}
+
+std::vector<char> cells_of_free_shells(const Config& config, const std::vector<int>& body_of_cell) {
+  if (!has_free_shells(config)) return {};
+  std::vector<char> result;
+  for (const int body : body_of_cell) {
+    result.push_back(body >= 0 && config.bodies[static_cast<std::size_t>(body)].is_shell ? 1 : 0);
+  }
+  return result;
+}
+
+// The foot of the apex is the middle of its triangle.
+void move_to_triangles(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,
+                       std::span<ProbeLocation> locations) {
+  const std::vector<char> is_shell = cells_of_free_shells(config, body_of_cell);
+  if (is_shell.empty()) return;
+  const std::vector<InertNode> inert = inert_nodes(layout, is_shell);
+  for (ProbeLocation& location : locations) {
+    ProbeLocation moved;
+    moved.distance = location.distance;
+    for (std::size_t a = 0; a < location.nodes.size(); ++a) {
+      const auto found = std::ranges::lower_bound(inert, location.nodes[a], {}, &InertNode::node);
+      if (found == inert.end() || found->node != location.nodes[a]) {
+        moved.nodes.push_back(location.nodes[a]);
+        moved.weights.push_back(location.weights[a]);
+        continue;
+      }
+      for (std::size_t k = 0; k < 3; ++k) {
+        moved.nodes.push_back(found->corners[k]);
+        moved.weights.push_back(location.weights[a] * found->weights[k]);
+      }
+    }
+    location = std::move(moved);
+  }
+}
 
 ModelShells find_shells(const Config& config, const NodeLayout& layout, Selections& selections) {
   ModelShells result;
@@ -82,6 +148,11 @@ ModelShells find_shells(const Config& config, const NodeLayout& layout, Selectio
     ModelShell& on_mesh = result.shells.emplace_back();
     on_mesh.name = shell.name;
     on_mesh.facets = selections.facets(shell.part);
+    for (const ClampedEdgeConfig& edge : shell.clamped) {
+      ClampedEdges& edges = on_mesh.clamped.emplace_back();
+      edges.edges = selections.edges(edge.part);
+      if (edge.normal) edges.normal = unit(Vector3<double>(*edge.normal));
+    }
     on_mesh.mass_per_area = shell.density.value_or(0.0) * shape_of(shell).volume_per_area();
     on_mesh.area = sum(layout.comm, owned_area(layout, on_mesh.facets));
     const auto owned = std::ranges::count_if(on_mesh.facets.is_owned, [](char is_owned) { return is_owned != 0; });
@@ -99,7 +170,7 @@ void build_shells(const Config& config, const NodeLayout& layout, const BlockPat
   });
   for (std::size_t k = 0; k < shells.shells.size(); ++k) {
     ModelShell& shell = shells.shells[k];
-    if (config.shells[k].bends) shell.bending = bending_of(config.shells[k], layout, shell.facets);
+    if (config.shells[k].bends) shell.bending = bending_of(config.shells[k], layout, shell);
   }
 }
 

@@ -3,10 +3,13 @@
 
 #include "energy/shell/membrane.hpp"
 #include "energy/shell/shell_bending.hpp"
+#include "fem/probe.hpp"
 #include "input/config.hpp"
+#include "mesh/mesh.hpp"
 #include "model/selections.hpp"
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,12 +19,26 @@ namespace pliant {
 struct ModelShell {
   std::string name;
   FacetList facets;
+  std::vector<ClampedEdges> clamped;
   double mass_per_area = 0.0;             ///< [kg/m^2]
   double area = 0.0;                      ///< of the facets on all ranks [m^2]
   PetscInt64 num_facets = 0;              ///< likewise
   MembraneTerms membrane;                 ///< build_shells
   std::unique_ptr<ShellBending> bending;  ///< likewise; nullptr: none
 };
+
+/// Whether any shell is a body of its own.
+bool has_free_shells(const Config& config);
+/// Adds free shells to the bodies, after the others.
+void add_bodies_of_shells(Config& config);
+/// What free shells add to the mesh.
+std::vector<AddedShell> added_shells(const Config& config);
+/// One flag per local cell: whether it is one of a free shell; empty if none is.
+std::vector<char> cells_of_free_shells(const Config& config, const std::vector<int>& body_of_cell);
+
+/// Points in cells of free shells, onto the triangles of these. Not collective.
+void move_to_triangles(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,
+                       std::span<ProbeLocation> locations);
 
 struct ModelShells {
   std::vector<ModelShell> shells;

@@ -127,7 +127,8 @@ MotionWatch::MotionWatch(const Config& config, const Model& model)
       q_(make_vector(model.layout())) {
   for (std::size_t b = 0; b < model.body_names().size(); ++b) {
     if (b >= config.bodies.size() || config.bodies[b].is_rigid) {
-      bodies_.push_back({{}, model.body_names()[b], {}, {no_bound, infinity, {}}, {}, {}, {}});  // nothing stretches it
+      bodies_.push_back(
+          {{}, model.body_names()[b], {}, {-infinity, infinity, {}}, {}, {}, {}});  // nothing stretches it
       continue;
     }
     bodies_.push_back(watched(*config.bodies[b].elasticity, model.body_names()[b]));

@@ -94,8 +94,11 @@ std::vector<ReportedCell> worst_cells(const Model& model, const Picture& picture
     const DeformedCell& shape = picture.cells[static_cast<std::size_t>(c)];
     const bool is_of_rod = std::ranges::find(model.rods().rods, model.body_of_cell()[c], &ModelRod::body) !=
                            model.rods().rods.end();  // meant to be slim
-    ReportedCell cell{.volume_ratio = shape.volume_ratio,
-                      .quality = shape.quality,
+    const auto& with_law = model.bodies_of_elastic();
+    const bool has_law = std::ranges::find(with_law, model.body_of_cell()[c]) != with_law.end();
+    const bool is_of_shell = !is_of_rod && !has_law;  // or rigid: its shape says nothing
+    ReportedCell cell{.volume_ratio = is_of_shell ? 1.0 : shape.volume_ratio,
+                      .quality = is_of_shell ? 1.0 : shape.quality,
                       .reference_quality = is_of_rod ? 1.0 : shape.reference_quality,
                       .body = static_cast<std::size_t>(model.body_of_cell()[c]),
                       .X = shape.X,

@@ -6,6 +6,7 @@
 #include "model/rigid_bodies.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
+#include "run/shell_drawing.hpp"
 #include "run/version.hpp"
 
 #include <filesystem>
@@ -36,7 +37,9 @@ OutputMesh output_mesh(const Config& config, const Model& model) {
   mesh.nodes_per_cell = layout.nodes_per_cell;
   mesh.global_num_nodes = layout.num_global_nodes;
   mesh.first_node = layout.first_global_node;
-  mesh.coordinates.assign(layout.coordinates.begin(), layout.coordinates.begin() + 3 * layout.num_owned_nodes);
+  mesh.coordinates = layout.coordinates;
+  ShellDrawing(config, model).place(mesh.coordinates);
+  mesh.coordinates.resize(3 * static_cast<std::size_t>(layout.num_owned_nodes));
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     for (const PetscInt n : layout.nodes_of_cell(c)) mesh.cells.push_back(layout.global_node(n));
     mesh.bodies.push_back(model.body_of_cell()[c]);

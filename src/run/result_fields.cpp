@@ -144,6 +144,7 @@ std::array<double, 6> CellState::total_cauchy() const {
 
 ResultFields::ResultFields(const Config& config, Model& model)
     : model_(model),
+      shells_(config, model),
       time_scale_(config.time.step > 0.0 ? config.time.step : 1.0),
       is_nodal_(config.output.is_nodal),
       work_(make_vector(model.layout())) {
@@ -255,6 +256,11 @@ std::vector<FieldValues> ResultFields::at(const StepRecord& record, std::span<co
   for (const NodeResult& of : node_results) {
     if (is_wanted(of.name)) {
       fields.push_back({info_of_field(of.name), of.unit, FieldLocation::node, of_nodes(record.*of.values)});
+      if (of.values == &StepRecord::q) {
+        shells_.displace(fields.back().values);
+      } else {
+        shells_.average(fields.back().values);
+      }
     }
   }
   if (model_.contacts() != nullptr) add_contact_fields(record, names, fields);

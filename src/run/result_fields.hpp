@@ -7,6 +7,7 @@
 #include "io/result_writer.hpp"
 #include "model/model.hpp"
 #include "run/discretization_error.hpp"
+#include "run/shell_drawing.hpp"
 #include "run/simulation.hpp"
 
 #include <array>
@@ -65,6 +66,7 @@ class ResultFields {
   void with_ghosts(std::vector<double>& owned, std::size_t width);
 
   Model& model_;
+  ShellDrawing shells_;
   double time_scale_;  // interval from which velocities of obstacles are computed [s]
   bool is_nodal_;
   Handle<Vec> work_;

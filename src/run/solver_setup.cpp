@@ -29,7 +29,8 @@ NewtonOptions newton_options(const Config& config) {
   const auto& adaptive = config.time.adaptive;
   const double relative =
       adaptive ? std::min(newton.relative, part_left_by_newton * adaptive->relative) : newton.relative;
-  const auto slenderness = config.rods.empty() ? Slenderness::none : Slenderness::some;
+  const bool is_slender = !config.rods.empty() || has_free_shells(config);
+  const auto slenderness = is_slender ? Slenderness::some : Slenderness::none;
   return {relative, newton.absolute, newton.max_iterations, slenderness};
 }
 

@@ -271,7 +271,8 @@ class Documents(ProgramTest):
                     done = self.call("fit", self.write("fit/fit.yaml", text))
                     self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
                     continue
-                if {"mesh", "bodies", "time"} <= set(part):
+                needs_no_body = any(shell.get("free") for shell in part.get("shells", []))
+                if {"mesh", "bodies", "time"} <= set(part) | ({"bodies"} if needs_no_body else set()):
                     file = self.write("input/whole.yaml", text)
                 else:
                     names = names_in(part, {"volume": [], "surface": [], "point": []})

@@ -20,6 +20,7 @@ SMALL = {
     "muscle.yaml": ["mesh.size=0.2", "time.end=0.1"],
     "pile.yaml": ["mesh.size=8 mm", "time.end=0.06", "time.step=0.004"],
     "released_beam.yaml": ["mesh.size=0.2", "time.end=0.1"],
+    "roof.yaml": [],
     "soft_flail.yaml": ["time.end=0.06"],
     "pneumatic_actuator.yaml": ["time.end=0.02", "time.events=[]"],
     "relaxation.yaml": ["time.step=20 ms", "time.end=1"],

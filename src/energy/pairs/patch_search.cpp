@@ -120,11 +120,13 @@ double PatchSearch::length(std::span<const double> d) const {
 }
 
 double PatchSearch::searchable_part(std::span<const double> d) const {
+  if (coupling_.fixed_pairs() != nullptr) return 1.0;
   const double longest = length(d);
   return longest > longest_path_ ? longest_path_ / longest : 1.0;
 }
 
 bool PatchSearch::covers(const Path& path) const {
+  if (coupling_.fixed_pairs() != nullptr) return has_searched_;
   if (node_boxes_.size() != nodes_.size()) return false;
   if (searched_length_ > skin_ && path.end * length(path.d) < shortest_reuse * searched_length_) return false;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
@@ -208,6 +210,13 @@ std::vector<BoxPair> PatchSearch::find_pairs(std::span<const ForeignPatch> forei
 }
 
 FoundPatches PatchSearch::search(const Path& path) {
+  has_searched_ = true;
+  if (const FixedPairs* fixed = coupling_.fixed_pairs()) {
+    FoundPatches found{coupling_.patches().keys, coupling_.patches().tags, fixed->global_nodes, fixed->pairs};
+    found.keys.insert(found.keys.end(), fixed->keys.begin(), fixed->keys.end());
+    found.tags.insert(found.tags.end(), fixed->tags.begin(), fixed->tags.end());
+    return found;
+  }
   widen_skin(path.q);
   set_boxes(path);
   const Patches& patches = coupling_.patches();

@@ -33,6 +33,8 @@ struct FoundPatches {
 /// whose boxes overlap. They hold as long as every node stays within its box: no pair that comes within reach there is
 /// missed. The skin follows how far nodes travel between searches.
 ///
+/// Pairs that are fixed (PairCoupling::fixed_pairs) are taken as they are.
+///
 /// Patches of one kind have a tree of their own (collision/bvh.hpp), so that a body that does not couple with itself
 /// costs nothing.
 class PatchSearch {
@@ -77,6 +79,7 @@ class PatchSearch {
   std::vector<std::int32_t> corners_;  // nodes_per_patch of each patch, as numbers in nodes_
   double longest_path_ = 0.0;          // by which a node may move in one search [m]
 
+  bool has_searched_ = false;
   double skin_;                   // [m]
   double searched_length_ = 0.0;  // by which a node of this rank moves on the path of the last search [m]
   std::vector<Box> node_boxes_;   // of nodes_, in the last search; empty before the first

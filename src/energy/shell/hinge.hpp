@@ -1,11 +1,13 @@
-/// The angle between two triangles that share an edge, and what the angles around a triangle say about its curvature.
+/// The angle between two triangles that share an edge.
+///
+/// Source: the angle as a measure of bending of discrete surfaces: Grinspun, Hirani, Desbrun & Schröder, Discrete
+/// shells, SCA 2003.
 #pragma once
 
 #include "base/second_order.hpp"
 #include "base/vector3.hpp"
 
 #include <array>
-#include <span>
 
 namespace pliant {
 
@@ -24,29 +26,17 @@ T hinge_angle(const Vector3<T>& e, const Vector3<T>& u, const Vector3<T>& v) {
 /// e, u, v of a hinge as variables 0 to 8.
 using HingeVectors = std::array<Vector3<double>, 3>;
 
-/// Not inlined, so that angles at rest and those of an unmoved layer are equal to the last bit.
 template <int order>
-[[gnu::noinline]] Differentiated<9, order> differentiated_angle(const HingeVectors& at) {
+Differentiated<9, order> differentiated_angle(const HingeVectors& at) {
   using Number = Differentiated<9, order>;
   std::array<Vector3<Number>, 3> x;
   for (std::size_t i = 0; i < 9; ++i) x[i / 3][i % 3] = Number::variable(at[i / 3][i % 3], i);
   return hinge_angle(x[0], x[1], x[2]);
 }
 
-/// A triangle and the far corners of its neighbours: across the edge from corner k to k + 1 lies `others[k]`.
-struct HingePatch {
-  std::array<Vector3<double>, 3> corners{}, others{};
-  std::array<bool, 3> has_other{};
-};
-
-/// The matrix M of the energy 1/2 sum M_ij d_i d_j of a plate in the changes d of the angles at the edges of a
-/// triangle; zero in rows of edges without a neighbour. Neighbours are unfolded into the plane of the triangle. A
-/// deflection that is quadratic there has the angles B kappa, kappa its curvature (xx, yy, 2 xy); M gives it the energy
-///
-///     A/2 kappa.C kappa,   C = D [1 nu 0; nu 1 0; 0 0 (1 - nu)/2],    M = A (B C^-1 B^T)^-1
-///
-/// of the triangle's area A: exact for constant curvature on any mesh, and, where neighbours are missing, the least
-/// energy of all curvatures with the angles that there are (free edges). `rigidity`: D = E h^3 / (12 (1 - nu^2)) [N m].
-std::array<double, 9> hinge_matrix(const HingePatch& patch, double rigidity, double poissons_ratio);
+/// d(e, u, v)/d(a, b, c, o), 9 rows of 12. `mirror`: a unit vector m where o is the image of c in the plane through a
+/// across m, v = u - 2 (u.m) m; the columns of o are then zero.
+using HingeMap = std::array<double, 108>;
+HingeMap hinge_map(const Vector3<double>* mirror);
 
 }  // namespace pliant

@@ -4,11 +4,13 @@
 #include "petsc/collective.hpp"
 
 #include <algorithm>
-#include <map>
+#include <cmath>
 #include <utility>
 
 namespace pliant {
 namespace {
+
+using TriangleNodes = ShellTopology::Triangle;
 
 /// The corners of the triangles of a facet, among its nodes (corners, then mid-edge nodes 01 12 02).
 constexpr std::array<std::array<int, 3>, 1> linear_triangles{{{0, 1, 2}}};
@@ -25,280 +27,319 @@ void for_each_triangle(const FacetList& facets, const F& f) {
   }
 }
 
-/// The corners of the edge k of a stencil: a, b, and the far ones c and o.
-std::array<std::size_t, 4> corners_of(std::size_t edge) {
-  return {edge, (edge + 1) % 3, (edge + 2) % 3, 3 + edge};
+TriangleNodes sorted(TriangleNodes nodes) {
+  std::ranges::sort(nodes);
+  return nodes;
 }
 
-/// The sum of M_kj d_j: the moments about the edges [N m].
-std::array<double, 3> moments(const std::array<double, 9>& M, const std::array<double, 3>& d) {
-  std::array<double, 3> m{};
-  for (std::size_t k = 0; k < 3; ++k) m[k] = M[3 * k] * d[0] + M[3 * k + 1] * d[1] + M[3 * k + 2] * d[2];
-  return m;
-}
-
-/// The slopes of an angle by the six nodes of a stencil, from those by e, u, v.
-std::array<double, 18> by_nodes(std::size_t edge, const std::array<double, 9>& slope) {
-  std::array<double, 18> result{};
-  const auto [a, b, c, o] = corners_of(edge);
-  for (std::size_t i = 0; i < 3; ++i) {
-    result[3 * b + i] = slope[i];
-    result[3 * c + i] = slope[3 + i];
-    result[3 * o + i] = slope[6 + i];
-    result[3 * a + i] = -(slope[i] + slope[3 + i] + slope[6 + i]);
-  }
-  return result;
-}
-
-/// H += m d2 theta / dx2 of the six nodes of a stencil.
-void add_bend(std::size_t edge, double moment, const SecondOrder<9>& angle, std::array<double, 324>& H) {
-  const auto [a, b, c, o] = corners_of(edge);
-  const std::array<std::size_t, 3> far{b, c, o};
-  for (std::size_t p = 0; p < 9; ++p) {
-    for (std::size_t q = 0; q < 9; ++q) {
-      const double entry = moment * angle.bend_of(p, q);
-      const std::size_t row = 3 * far[p / 3] + p % 3, column = 3 * far[q / 3] + q % 3;
-      const std::size_t row_of_a = 3 * a + p % 3, column_of_a = 3 * a + q % 3;
-      H[18 * row + column] += entry;
-      H[18 * row_of_a + column] -= entry;
-      H[18 * row + column_of_a] -= entry;
-      H[18 * row_of_a + column_of_a] += entry;
+/// Those of all ranks, in halves where they have a node in the middle.
+std::vector<ClampedEdge> clamped_edges(const NodeLayout& layout, std::span<const ClampedEdges> clamped) {
+  std::vector<ClampedEdge> here;
+  for (const ClampedEdges& of : clamped) {
+    const auto width = static_cast<std::size_t>(of.edges.nodes_per_edge);
+    for (std::size_t e = 0; e < of.edges.is_owned.size(); ++e) {
+      if (of.edges.is_owned[e] == 0) continue;
+      const auto add = [&](PetscInt a, PetscInt b) {
+        const std::int64_t one = layout.global_node(a), other = layout.global_node(b);
+        here.push_back({{std::min(one, other), std::max(one, other)},
+                        of.normal.value_or(Vector3<double>{}),
+                        of.normal ? char{1} : char{0}});
+      };
+      const PetscInt* nodes = &of.edges.nodes[width * e];
+      if (width == 2) {
+        add(nodes[0], nodes[1]);
+      } else {
+        add(nodes[0], nodes[2]);
+        add(nodes[2], nodes[1]);
+      }
     }
   }
+  return gathered(layout.comm, here);
+}
+
+struct GivenTriangle {
+  TriangleNodes nodes{};
+  BendingStiffness stiffness;
+};
+
+/// Those of all ranks, by their sorted nodes.
+std::vector<GivenTriangle> all_triangles(
+    const NodeLayout& layout, const FacetList& facets,
+    const std::function<BendingStiffness(const std::array<double, 3>&)>& stiffness) {
+  std::vector<GivenTriangle> here;
+  on_every_rank(layout.comm, [&] {
+    for_each_triangle(facets, [&](const std::array<PetscInt, 3>& nodes, PetscInt facet) {
+      if (facets.is_owned[facet] == 0) return;
+      GivenTriangle& triangle = here.emplace_back();
+      Vector3<double> middle{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        triangle.nodes[k] = layout.global_node(nodes[k]);
+        middle = middle + (1.0 / 3.0) * Vector3<double>(layout.position(nodes[k]));
+      }
+      triangle.stiffness = stiffness(middle);
+    });
+  });
+  std::vector<GivenTriangle> result = gathered(layout.comm, here);
+  std::ranges::sort(result, {}, [](const GivenTriangle& triangle) { return sorted(triangle.nodes); });
+  return result;
 }
 
 }  // namespace
 
-std::array<std::int64_t, 3> ShellBending::Triangle::sorted() const {
-  auto result = nodes;
-  std::ranges::sort(result);
-  return result;
-}
-
 ShellBending::ShellBending(const NodeLayout& layout, const FacetList& facets,
-                           const std::function<BendingStiffness(const std::array<double, 3>&)>& stiffness)
-    : num_owned_nodes_(layout.num_owned_nodes) {
-  double length = 0.0;
-  const auto add = [&](const std::array<PetscInt, 3>& nodes, PetscInt facet) {
-    if (facets.is_owned[facet] == 0) return;
-    Triangle& triangle = triangles_.emplace_back();
-    Vector3<double> middle{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vector3<double> X = layout.position(nodes[k]), next = layout.position(nodes[(k + 1) % 3]);
-      triangle.nodes[k] = layout.global_node(nodes[k]);
-      middle = middle + (1.0 / 3.0) * X;
-      length += norm(next - X) / 3.0;
-    }
-    triangle.stiffness = stiffness(middle);
-  };
-  on_every_rank(layout.comm, [&] { for_each_triangle(facets, add); });
-  triangles_ = gathered(layout.comm, triangles_);
-  std::ranges::sort(triangles_, {}, &Triangle::sorted);
-  edge_length_ = sum(layout.comm, length) / static_cast<double>(std::max<std::size_t>(triangles_.size(), 1));
-  find_neighbours();
+                           const std::function<BendingStiffness(const std::array<double, 3>&)>& stiffness,
+                           std::span<const ClampedEdges> clamped)
+    : num_owned_nodes_(layout.num_owned_nodes), first_owned_node_(layout.first_global_node) {
+  std::vector<TriangleNodes> triangles;
+  for (const GivenTriangle& given : all_triangles(layout, facets, stiffness)) {
+    triangles.push_back(given.nodes);
+    stiffness_.push_back(given.stiffness);
+  }
+  topology_ = ShellTopology(std::move(triangles), clamped_edges(layout, clamped));
+
   list_patches(layout, facets);
+  fix_pairs();
 }
 
-void ShellBending::find_neighbours() {
-  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::pair<std::size_t, std::size_t>>> at_edge;
-  for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto ends = std::minmax(triangles_[t].nodes[k], triangles_[t].nodes[(k + 1) % 3]);
-      at_edge[ends].emplace_back(t, k);
-    }
-  }
-  neighbours_.assign(triangles_.size(), {-1, -1, -1});
-  for (const auto& [ends, sides] : at_edge) {
-    if (sides.size() != 2) continue;
-    neighbours_[sides[0].first][sides[0].second] = static_cast<std::int64_t>(sides[1].first);
-    neighbours_[sides[1].first][sides[1].second] = static_cast<std::int64_t>(sides[0].first);
-  }
-}
-
+// All ranks know the corners in the same order.
 void ShellBending::list_patches(const NodeLayout& layout, const FacetList& facets) {
   patches_.nodes_per_patch = 3;
   for_each_triangle(facets, [&](const std::array<PetscInt, 3>& nodes, PetscInt /*facet*/) {
     const auto is_owned = [&](PetscInt node) { return node < layout.num_owned_nodes; };
     if (std::ranges::none_of(nodes, is_owned)) return;
-    Triangle triangle;
-    for (std::size_t k = 0; k < 3; ++k) triangle.nodes[k] = layout.global_node(nodes[k]);
-    const auto place = std::ranges::lower_bound(triangles_, triangle.sorted(), {}, &Triangle::sorted);
-    // All ranks know the corners in the same order.
-    for (const std::int64_t node : place->nodes) {
-      const auto k = std::ranges::find(triangle.nodes, node) - triangle.nodes.begin();
-      patches_.nodes.push_back(nodes[static_cast<std::size_t>(k)]);
+    TriangleNodes global{};
+    for (std::size_t k = 0; k < 3; ++k) global[k] = layout.global_node(nodes[k]);
+    const auto place = std::ranges::lower_bound(topology_.triangles(), sorted(global), {}, sorted);
+    for (const std::int64_t node : *place) {
+      patches_.nodes.push_back(nodes[static_cast<std::size_t>(std::ranges::find(global, node) - global.begin())]);
     }
-    patches_.keys.push_back(place - triangles_.begin());
+    patches_.keys.push_back(place - topology_.triangles().begin());
     patches_.tags.push_back(0);
-    const auto first = std::ranges::min_element(triangle.nodes) - triangle.nodes.begin();
+    const auto first = std::ranges::min_element(global) - global.begin();
     patches_.is_owned.push_back(is_owned(nodes[static_cast<std::size_t>(first)]) ? 1 : 0);
   });
 }
 
-bool ShellBending::couples(std::int64_t key, std::int64_t other) const {
-  const auto& of_other = triangles_[static_cast<std::size_t>(other)].nodes;
-  return std::ranges::any_of(triangles_[static_cast<std::size_t>(key)].nodes,
-                             [&](std::int64_t node) { return std::ranges::find(of_other, node) != of_other.end(); });
+// Whoever owns a node of a patch needs all of its triangles.
+void ShellBending::fix_pairs() {
+  const std::size_t num_triangles = topology_.triangles().size();
+  std::vector<char> is_here(num_triangles, 0), is_needed(num_triangles, 0);
+  std::vector<std::size_t> number(num_triangles, 0);
+  for (std::size_t p = 0; p < patches_.keys.size(); ++p) {
+    is_here[static_cast<std::size_t>(patches_.keys[p])] = 1;
+    number[static_cast<std::size_t>(patches_.keys[p])] = p;
+  }
+  std::vector<std::pair<std::int64_t, std::int64_t>> pairs;
+  const auto has_owned_node = [&](std::int64_t triangle) {
+    return std::ranges::any_of(topology_.triangles()[static_cast<std::size_t>(triangle)], [&](std::int64_t node) {
+      return node >= first_owned_node_ && node < first_owned_node_ + num_owned_nodes_;
+    });
+  };
+  for (std::size_t t = 0; t < num_triangles; ++t) {
+    const auto patch = topology_.patch(t);
+    if (std::ranges::none_of(patch, has_owned_node)) continue;
+    for (std::size_t i = 0; i < patch.size(); ++i) {
+      is_needed[static_cast<std::size_t>(patch[i])] = 1;
+      for (std::size_t j = 0; j < i; ++j) pairs.emplace_back(patch[j], patch[i]);
+    }
+  }
+  std::ranges::sort(pairs);
+  pairs.erase(std::ranges::unique(pairs).begin(), pairs.end());
+  for (std::size_t t = 0; t < num_triangles; ++t) {
+    if (is_needed[t] == 0 || is_here[t] != 0) continue;
+    number[t] = patches_.size() + fixed_.keys.size();
+    fixed_.keys.push_back(static_cast<std::int64_t>(t));
+    fixed_.tags.push_back(0);
+    for (const std::int64_t node : topology_.triangles()[t]) fixed_.global_nodes.push_back(static_cast<PetscInt>(node));
+  }
+  for (const auto& [first, second] : pairs) {
+    fixed_.pairs.push_back({number[static_cast<std::size_t>(first)], number[static_cast<std::size_t>(second)]});
+  }
 }
 
-HingeVectors ShellBending::vectors(const Stencil& stencil, std::size_t edge, std::span<const double> X,
-                                   std::span<const double> q) {
-  const auto [a, b, c, o] = corners_of(edge);
-  HingeVectors result;
-  const std::array<std::size_t, 3> far{b, c, o};
-  const auto start = 3 * static_cast<std::size_t>(stencil.nodes[a]);
-  for (std::size_t v = 0; v < 3; ++v) {
-    const auto end = 3 * static_cast<std::size_t>(stencil.nodes[far[v]]);
-    for (std::size_t i = 0; i < 3; ++i) {
-      result[v][i] = (X[end + i] - X[start + i]) + (q[end + i] - q[start + i]);
-    }
+namespace {
+
+using Stencils = BendingStencils;
+constexpr std::size_t most_hinges = BendingStencil::most_hinges, most_nodes = BendingStencil::most_nodes;
+
+const Stencils& seen(const NearPatches* near) {
+  static const Stencils none;
+  return near != nullptr && near->features ? static_cast<const Stencils&>(*near->features) : none;
+}
+
+/// theta - theta^0 from the changes of e, u and v since the start, in a form without cancellation: stiff plates live in
+/// the last digits of angles. With t = v.n, w = v x e, s = |e| t and c = n.w, the angle is atan2(s, c), and the change
+/// that of (s0, c0) to (s, c) = (s0 + ds, c0 + dc): atan2(ds c0 - dc s0, c c0 + s s0).
+double change_of_angle(const HingeVectors& before, const HingeVectors& change) {
+  const auto& [e0, u0, v0] = before;
+  const auto& [de, du, dv] = change;
+  const Vector3<double> e = e0 + de, u = u0 + du, v = v0 + dv;
+  const Vector3<double> n0 = cross(e0, u0), n = cross(e, u), dn = cross(de, u) + cross(e0, du);
+  const Vector3<double> w0 = cross(v0, e0), w = cross(v, e), dw = cross(dv, e) + cross(v0, de);
+  const double length0 = norm(e0), length = norm(e), d_length = dot(de, e0 + e) / (length0 + length);
+  const double t = dot(v, n), dt = dot(dv, n) + dot(v0, dn);
+  const double s0 = length0 * dot(v0, n0), ds = length0 * dt + t * d_length;
+  const double c0 = dot(n0, w0), dc = dot(dn, w) + dot(n0, dw);
+  return std::atan2(ds * c0 - dc * s0, (c0 + dc) * c0 + (s0 + ds) * s0);
+}
+
+/// theta - theta^0 of all hinges.
+std::vector<double> changes(const Stencils& seen, std::span<const double> X, std::span<const double> q) {
+  const std::vector<double> zero(X.size(), 0.0);
+  std::vector<double> result;
+  result.reserve(seen.hinges.size());
+  for (const BendingHinge& hinge : seen.hinges) {
+    result.push_back(change_of_angle(hinge.vectors(X, zero), hinge.vectors(zero, q)));
   }
   return result;
 }
 
-ShellBending::Stencil ShellBending::stencil_of(std::size_t number, const std::map<std::int64_t, std::size_t>& place,
-                                               const NearPatches& near) const {
-  Stencil stencil;
-  const auto own = std::span(stencil.nodes).first(3);
-  const std::size_t p = place.at(static_cast<std::int64_t>(number));
-  std::ranges::copy(near.patches.nodes_of(p), own.begin());
-  stencil.is_counted = near.patches.is_owned[p] != 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (neighbours_[number][k] < 0) continue;
-    const auto other = place.find(neighbours_[number][k]);
-    if (other == place.end()) return {};
-    const auto nodes = near.patches.nodes_of(other->second);
-    stencil.nodes[3 + k] =
-        *std::ranges::find_if(nodes, [&](PetscInt node) { return std::ranges::find(own, node) == own.end(); });
-  }
-  return stencil;
+/// Their moment about the hinge i of a stencil [N m].
+double moment(const BendingStencil& stencil, std::size_t i, std::span<const double> d) {
+  double result = 0.0;
+  for (std::size_t j = 0; j < stencil.num_hinges; ++j) result += stencil.M[most_hinges * i + j] * d[stencil.hinges[j]];
+  return result;
 }
 
-// Whoever owns a node of a patch of four triangles knows them all: each has a node in common with each other.
+/// The moment of all stencils about each hinge [N m].
+std::vector<double> moments(const Stencils& seen, std::span<const double> d) {
+  std::vector<double> result(seen.hinges.size(), 0.0);
+  for (const BendingStencil& stencil : seen.stencils) {
+    for (std::size_t i = 0; i < stencil.num_hinges; ++i) result[stencil.hinges[i]] += moment(stencil, i, d);
+  }
+  return result;
+}
+
+/// The sum of d.M.m / 2 over the triangles that this rank counts.
+double half_product(const Stencils& seen, std::span<const double> d, std::span<const double> m) {
+  CompensatedSum<double> total;
+  for (const BendingStencil& stencil : seen.stencils) {
+    if (!stencil.is_counted) continue;
+    for (std::size_t i = 0; i < stencil.num_hinges; ++i) total.add(0.5 * d[stencil.hinges[i]] * moment(stencil, i, m));
+  }
+  return total.total();
+}
+
+/// The slopes of the angles by the nodes a, b, c, o.
+struct Slopes {
+  std::vector<std::array<double, 12>> by_nodes;
+
+  Slopes(const Stencils& seen, std::span<const double> X, std::span<const double> q) {
+    for (const BendingHinge& hinge : seen.hinges) {
+      const auto angle = differentiated_angle<1>(hinge.vectors(X, q));
+      const HingeMap map = hinge.map();
+      auto& slopes = by_nodes.emplace_back();
+      for (std::size_t row = 0; row < 9; ++row) {
+        for (std::size_t k = 0; k < 12; ++k) slopes[k] += map[12 * row + k] * angle.slope[row];
+      }
+    }
+  }
+};
+
+}  // namespace
+
 std::shared_ptr<const PairFeatures> ShellBending::features_of(const NearPatches& near) const {
-  auto here = std::make_shared<Seen>();
-  std::map<std::int64_t, std::size_t> place;
-  for (std::size_t p = 0; p < near.patches.size(); ++p) place.emplace(near.patches.keys[p], p);
-  const std::vector<double> unmoved(near.coordinates.size(), 0.0);
-  const auto is_here = [&](PetscInt node) { return node >= 0 && near.is_owned(node); };
-  for (const auto& [key, p] : place) {
-    const auto number = static_cast<std::size_t>(key);
-    Stencil stencil = stencil_of(number, place, near);
-    if (std::ranges::none_of(stencil.nodes, is_here)) continue;
-    HingePatch patch;
-    const auto position = [&](PetscInt node) -> Vector3<double> {
-      const auto i = 3 * static_cast<std::size_t>(node);
-      return {near.coordinates[i], near.coordinates[i + 1], near.coordinates[i + 2]};
-    };
-    for (std::size_t k = 0; k < 3; ++k) {
-      patch.corners[k] = position(stencil.nodes[k]);
-      patch.has_other[k] = stencil.nodes[3 + k] >= 0;
-      if (patch.has_other[k]) patch.others[k] = position(stencil.nodes[3 + k]);
-    }
-    const BendingStiffness& stiffness = triangles_[number].stiffness;
-    stencil.M = hinge_matrix(patch, stiffness.rigidity, stiffness.poissons_ratio);
-    stencil.rest = changes(stencil, near.coordinates, unmoved);
-    here->stencils.push_back(stencil);
-  }
-  return here;
-}
-
-const ShellBending::Seen& ShellBending::seen(const NearPatches* near) {
-  static const Seen none;
-  return near != nullptr && near->features ? static_cast<const Seen&>(*near->features) : none;
-}
-
-std::array<double, 3> ShellBending::changes(const Stencil& stencil, std::span<const double> X,
-                                            std::span<const double> q) {
-  std::array<double, 3> result{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (stencil.nodes[3 + k] < 0) continue;
-    result[k] = differentiated_angle<1>(vectors(stencil, k, X, q)).value - stencil.rest[k];
-  }
-  return result;
+  return make_bending_stencils(topology_, stiffness_, near);
 }
 
 double ShellBending::value(const LocalStage& stage, std::span<const double> q) const {
-  CompensatedSum<double> total;
-  for (const Stencil& stencil : seen(stage.near).stencils) {
-    if (!stencil.is_counted) continue;
-    const auto now = changes(stencil, stage.near->coordinates, q),
-               then = changes(stencil, stage.near->coordinates, stage.reference());
-    std::array<double, 3> both{};
-    for (std::size_t k = 0; k < 3; ++k) both[k] = now[k] + then[k];
-    const auto m = moments(stencil.M, both);
-    for (std::size_t k = 0; k < 3; ++k) total.add(0.5 * (now[k] - then[k]) * m[k]);
+  const Stencils& here = seen(stage.near);
+  if (here.stencils.empty()) return 0.0;
+  auto now = changes(here, stage.near->coordinates, q),
+       both = changes(here, stage.near->coordinates, stage.reference());
+  for (std::size_t h = 0; h < now.size(); ++h) {
+    const double then = both[h];
+    both[h] = now[h] + then;
+    now[h] -= then;
   }
-  return total.total();
+  return half_product(here, now, both);
 }
 
 double ShellBending::energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const {
-  CompensatedSum<double> total;
-  for (const Stencil& stencil : seen(at.near).stencils) {
-    if (!stencil.is_counted) continue;
-    const auto d = changes(stencil, at.near->coordinates, q);
-    const auto m = moments(stencil.M, d);
-    for (std::size_t k = 0; k < 3; ++k) total.add(0.5 * d[k] * m[k]);
-  }
-  return total.total();
+  const Stencils& here = seen(at.near);
+  if (here.stencils.empty()) return 0.0;
+  const auto d = changes(here, at.near->coordinates, q);
+  return half_product(here, d, d);
 }
 
 void ShellBending::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
-  for (const Stencil& stencil : seen(stage.near).stencils) {
-    std::array<Differentiated<9, 1>, 3> angles;
-    std::array<double, 3> d{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (stencil.nodes[3 + k] < 0) continue;
-      angles[k] = differentiated_angle<1>(vectors(stencil, k, stage.near->coordinates, q));
-      d[k] = angles[k].value - stencil.rest[k];
-    }
-    const auto m = moments(stencil.M, d);
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (stencil.nodes[3 + k] < 0) continue;
-      const auto slope = by_nodes(k, angles[k].slope);
-      for (std::size_t a = 0; a < 6; ++a) {
-        const PetscInt node = stencil.nodes[a];
-        if (node < 0 || node >= num_owned_nodes_) continue;
-        for (std::size_t i = 0; i < 3; ++i) r[3 * static_cast<std::size_t>(node) + i] += m[k] * slope[3 * a + i];
+  const Stencils& here = seen(stage.near);
+  if (here.stencils.empty()) return;
+  const Slopes slopes(here, stage.near->coordinates, q);
+  const auto m = moments(here, changes(here, stage.near->coordinates, q));
+  for (std::size_t h = 0; h < here.hinges.size(); ++h) {
+    for (std::size_t a = 0; a < 4; ++a) {
+      const PetscInt node = here.hinges[h].nodes[a];
+      if (node < 0 || node >= num_owned_nodes_) continue;
+      for (std::size_t i = 0; i < 3; ++i) {
+        r[3 * static_cast<std::size_t>(node) + i] += m[h] * slopes.by_nodes[h][3 * a + i];
       }
     }
   }
 }
 
-// K = sum M_ij dtheta_i (x) dtheta_j + m_k d2theta_k; the first part has no negative eigenvalues.
+// K = sum M_ij dtheta_i (x) dtheta_j + m_i d2theta_i; the first part has no negative eigenvalues.
 void ShellBending::add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                                Projection projection) const {
-  for (const Stencil& stencil : seen(stage.near).stencils) {
-    std::array<std::array<double, 18>, 3> slopes{};
-    std::array<SecondOrder<9>, 3> angles;
-    std::array<double, 3> d{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (stencil.nodes[3 + k] < 0) continue;
-      angles[k] = differentiated_angle<2>(vectors(stencil, k, stage.near->coordinates, q));
-      d[k] = angles[k].value - stencil.rest[k];
-      slopes[k] = by_nodes(k, angles[k].slope);
+  const Stencils& here = seen(stage.near);
+  if (here.stencils.empty()) return;
+  const Slopes slopes(here, stage.near->coordinates, q);
+  for (const BendingStencil& stencil : here.stencils) add_stencil(stencil, slopes.by_nodes, K);
+  if (projection == Projection::positive_semidefinite) return;
+  const auto m = moments(here, changes(here, stage.near->coordinates, q));
+  for (std::size_t h = 0; h < here.hinges.size(); ++h) add_bend(here.hinges[h], m[h], *stage.near, q, K);
+}
+
+void ShellBending::add_stencil(const BendingStencil& stencil, std::span<const std::array<double, 12>> slopes,
+                               const BlockWriter& K) const {
+  constexpr std::size_t width = 3 * most_nodes;
+  const std::size_t n = stencil.num_hinges;
+  std::array<double, most_hinges * width> W{}, MW{};  // the slopes of the hinges by all nodes
+  for (std::size_t h = 0; h < n; ++h) {
+    for (std::size_t k = 0; k < 12; ++k) {
+      const auto place = stencil.places[h][k / 3];
+      if (place >= 0) W[width * h + 3 * static_cast<std::size_t>(place) + k % 3] += slopes[stencil.hinges[h]][k];
     }
-    std::array<double, 324> H{};
-    for (std::size_t p = 0; p < 18; ++p) {
-      const auto m = moments(stencil.M, {slopes[0][p], slopes[1][p], slopes[2][p]});
-      for (std::size_t s = 0; s < 18; ++s) {
-        H[18 * p + s] = m[0] * slopes[0][s] + (m[1] * slopes[1][s] + m[2] * slopes[2][s]);
-      }
+  }
+  for (std::size_t h = 0; h < n; ++h) {
+    for (std::size_t g = 0; g < n; ++g) {
+      for (std::size_t k = 0; k < width; ++k) MW[width * h + k] += stencil.M[most_hinges * h + g] * W[width * g + k];
     }
-    if (projection != Projection::positive_semidefinite) {
-      const auto m = moments(stencil.M, d);
-      for (std::size_t k = 0; k < 3; ++k) {
-        if (stencil.nodes[3 + k] >= 0) add_bend(k, m[k], angles[k], H);
+  }
+  for (std::size_t a = 0; a < stencil.num_nodes; ++a) {
+    if (stencil.nodes[a] >= num_owned_nodes_) continue;
+    for (std::size_t b = 0; b < stencil.num_nodes; ++b) {
+      std::array<double, 9> block{};
+      for (std::size_t h = 0; h < n; ++h) {
+        for (std::size_t i = 0; i < 9; ++i) block[i] += W[width * h + 3 * a + i / 3] * MW[width * h + 3 * b + i % 3];
       }
+      K.add(stencil.nodes[a], stencil.nodes[b], block);
     }
-    for (std::size_t a = 0; a < 6; ++a) {
-      if (stencil.nodes[a] < 0 || stencil.nodes[a] >= num_owned_nodes_) continue;
-      for (std::size_t b = 0; b < 6; ++b) {
-        if (stencil.nodes[b] < 0) continue;
-        std::array<double, 9> block;
-        for (std::size_t i = 0; i < 9; ++i) block[i] = H[18 * (3 * a + i / 3) + 3 * b + i % 3];
-        K.add(stencil.nodes[a], stencil.nodes[b], block);
+  }
+}
+
+void ShellBending::add_bend(const BendingHinge& hinge, double moment, const NearPatches& near,
+                            std::span<const double> q, const BlockWriter& K) const {
+  if (moment == 0.0) return;
+  if (std::ranges::none_of(hinge.nodes, [&](PetscInt n) { return n >= 0 && n < num_owned_nodes_; })) return;
+  const auto angle = differentiated_angle<2>(hinge.vectors(near.coordinates, q));
+  const HingeMap map = hinge.map();
+  std::array<double, 108> BJ{};  // 9 x 12
+  for (std::size_t p = 0; p < 9; ++p) {
+    for (std::size_t s = 0; s < 9; ++s) {
+      const double entry = moment * angle.bend_of(p, s);
+      for (std::size_t k = 0; k < 12; ++k) BJ[12 * p + k] += entry * map[12 * s + k];
+    }
+  }
+  for (std::size_t a = 0; a < 4; ++a) {
+    if (hinge.nodes[a] < 0 || hinge.nodes[a] >= num_owned_nodes_) continue;
+    for (std::size_t b = 0; b < 4; ++b) {
+      if (hinge.nodes[b] < 0) continue;
+      std::array<double, 9> block{};
+      for (std::size_t p = 0; p < 9; ++p) {
+        for (std::size_t i = 0; i < 9; ++i) block[i] += map[12 * p + 3 * a + i / 3] * BJ[12 * p + 3 * b + i % 3];
       }
+      K.add(hinge.nodes[a], hinge.nodes[b], block);
     }
   }
 }

@@ -1,7 +1,8 @@
 /// Bending of thin layers by the angles between neighbouring facets, without rotations as unknowns.
 #pragma once
 
-#include "energy/shell/hinge.hpp"
+#include "energy/shell/bending_stencils.hpp"
+#include "energy/shell/shell_topology.hpp"
 #include "energy/term.hpp"
 #include "fem/layout.hpp"
 #include "fem/selection.hpp"
@@ -9,38 +10,39 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 namespace pliant {
 
-/// A layer's resistance to bending.
-struct BendingStiffness {
-  double rigidity = 0.0;  ///< D = E h^3 / (12 (1 - nu^2)) [N m]
-  double poissons_ratio = 0.0;
+/// Edges of a layer whose direction across them is held: clamped ones, and those on a plane of symmetry.
+struct ClampedEdges {
+  EdgeList edges;
+  /// The normal of the plane of symmetry in which they may turn; none: the direction of the facet at rest, about an
+  /// edge that does not turn.
+  std::optional<Vector3<double>> normal;
 };
 
-/// U = sum over triangles of 1/2 sum_ij M_ij (theta_i - theta_i^0) (theta_j - theta_j^0)
+/// U = sum over triangles of A/2 kappa.C kappa,   kappa = sum_i G_i (theta_i - theta_i^0)
 ///
-/// in the angles theta at the edges of each triangle (energy/shell/hinge.hpp) and those at rest, theta^0: the curvature
-/// of the mesh is the natural one. A triangle couples the corners of its neighbours; facets of six nodes are four
-/// triangles. Edges in which three or more triangles meet, and edges of the surface, carry no moment. U depends on
-/// positions alone.
+/// in the angles theta at the edges of each triangle and of its neighbours (energy/shell/plate_patch.hpp) and those at
+/// rest, theta^0: the curvature of the mesh is the natural one. A triangle couples the corners of its neighbours and
+/// of theirs, up to 12 nodes; facets of six nodes are four triangles. Edges in which three or more triangles meet, and
+/// edges of the surface that are not clamped, carry no moment. U depends on positions alone.
 class ShellBending final : public EnergyTerm, public PairCoupling {
  public:
   /// `stiffness` at a reference position. Collective.
   ShellBending(const NodeLayout& layout, const FacetList& facets,
-               const std::function<BendingStiffness(const std::array<double, 3>&)>& stiffness);
+               const std::function<BendingStiffness(const std::array<double, 3>&)>& stiffness,
+               std::span<const ClampedEdges> clamped = {});
 
   const Patches& patches() const override { return patches_; }
-  /// Neighbours touch.
-  double reach() const override { return 1e-3 * edge_length_; }
-  double slack() const override { return 0.5 * edge_length_; }
+  double reach() const override { return 1.0; }
   bool may_couple(int /*tag*/, int /*other*/) const override { return true; }
-  bool couples(std::int64_t key, std::int64_t other) const override;
+  const FixedPairs* fixed_pairs() const override { return &fixed_; }
   std::shared_ptr<const PairFeatures> features_of(const NearPatches& near) const override;
   Coupling coupling() const override { return static_cast<const PairCoupling*>(this); }
 
@@ -53,40 +55,22 @@ class ShellBending final : public EnergyTerm, public PairCoupling {
                    Projection projection) const override;
   double energy_at(const Instant& at, std::span<const double> q, std::span<const double> z) const override;
 
- private:
-  /// A triangle of any rank, by global nodes.
-  struct Triangle {
-    std::array<std::int64_t, 3> nodes{};
-    BendingStiffness stiffness;
-    std::array<std::int64_t, 3> sorted() const;
-  };
-  /// A triangle with a node of this rank in its patch.
-  struct Stencil {
-    /// Local: its corners, then those of its neighbours; -1: none.
-    std::array<PetscInt, 6> nodes{-1, -1, -1, -1, -1, -1};
-    std::array<double, 9> M{};
-    std::array<double, 3> rest{};
-    bool is_counted = false;
-  };
-  struct Seen final : PairFeatures {
-    std::vector<Stencil> stencils;
-  };
-  static const Seen& seen(const NearPatches* near);
-  void find_neighbours();
-  void list_patches(const NodeLayout& layout, const FacetList& facets);
-  static HingeVectors vectors(const Stencil& stencil, std::size_t edge, std::span<const double> X,
-                              std::span<const double> q);
-  /// theta - theta^0 of all edges.
-  static std::array<double, 3> changes(const Stencil& stencil, std::span<const double> X, std::span<const double> q);
-  /// The triangle with its neighbours; all nodes -1 where one of those is not among the near patches, `place` by key.
-  Stencil stencil_of(std::size_t number, const std::map<std::int64_t, std::size_t>& place,
-                     const NearPatches& near) const;
+  /// How many edges of `clamped` do not bound the layer, on all ranks.
+  std::int64_t num_unclamped() const { return topology_.num_unclamped(); }
 
-  PetscInt num_owned_nodes_;
-  std::vector<Triangle> triangles_;                      // of all ranks, by their sorted nodes
-  std::vector<std::array<std::int64_t, 3>> neighbours_;  // across the edge from corner k to k + 1; -1: none
-  double edge_length_ = 0.0;                             // the mean [m]
+ private:
+  void list_patches(const NodeLayout& layout, const FacetList& facets);
+  void fix_pairs();
+  void add_stencil(const BendingStencil& stencil, std::span<const std::array<double, 12>> slopes,
+                   const BlockWriter& K) const;
+  void add_bend(const BendingHinge& hinge, double moment, const NearPatches& near, std::span<const double> q,
+                const BlockWriter& K) const;
+
+  PetscInt num_owned_nodes_, first_owned_node_;
+  ShellTopology topology_;
+  std::vector<BendingStiffness> stiffness_;  // of each triangle
   Patches patches_;
+  FixedPairs fixed_;
 };
 
 }  // namespace pliant

@@ -1,5 +1,6 @@
 #include "input/checks/shells.hpp"
 
+#include "input/analysis.hpp"
 #include "input/checks/output.hpp"
 #include "input/elasticity.hpp"
 
@@ -51,6 +52,35 @@ void check_prestretch(const ShellConfig& shell, Diagnostics& diagnostics) {
   }
 }
 
+void check_clamped(const ShellConfig& shell, Diagnostics& diagnostics) {
+  if (shell.clamped.empty() || shell.bends) return;
+  diagnostics.add(shell.clamped.front().where,
+                  fmt::format("shell '{}' does not bend, and has no direction that 'clamped' could hold: add 'bending: "
+                              "true'",
+                              shell.name));
+}
+
+void check_free(const Config& config, const ShellConfig& shell, Diagnostics& diagnostics) {
+  if (shell.part.kind != Selection::Kind::surface) {
+    diagnostics.add(shell.part.where,
+                    fmt::format("free shell '{}' needs 'surface', a physical surface of the mesh", shell.name));
+  }
+  if (!shell.density && analysis_of(config) == Analysis::dynamic) {
+    diagnostics.add({shell.where, {"density"}}, shell.where,
+                    fmt::format("missing key 'density' of free shell '{}', which dynamics needs", shell.name));
+  }
+  if (config.mesh.refine > 0) {
+    diagnostics.add(shell.where, fmt::format("free shell '{}' cannot be refined with the mesh: remove 'refine', and "
+                                             "mesh it finer in gmsh",
+                                             shell.name));
+  }
+  const auto has_name = [&](const BodyConfig& body) { return body.part.name == shell.name; };
+  if (std::ranges::any_of(config.bodies, has_name)) {
+    diagnostics.add(shell.where,
+                    fmt::format("free shell '{}' has the name of a body: choose another name", shell.name));
+  }
+}
+
 }  // namespace
 
 void check_shells(const Config& config, Diagnostics& diagnostics) {
@@ -61,6 +91,8 @@ void check_shells(const Config& config, Diagnostics& diagnostics) {
     places.push_back(shell.where);
     check_elasticity(shell, diagnostics);
     check_prestretch(shell, diagnostics);
+    check_clamped(shell, diagnostics);
+    if (shell.is_free) check_free(config, shell, diagnostics);
     if (config.mesh.file.value.empty()) {
       diagnostics.add(shell.where, fmt::format("shell '{}' lies on a surface of the mesh, which this input lacks: add "
                                                "'mesh' and 'bodies'",

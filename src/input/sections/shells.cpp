@@ -5,6 +5,22 @@
 
 namespace pliant {
 
+namespace {
+
+Section<ClampedEdgeConfig> clamped_edge_keys() {
+  using C = ClampedEdgeConfig;
+  return {{
+              selector<C>("curve", Selection::Kind::curve, "curve at the edge of the layer"),
+              field("normal", &C::normal, direction_of_any_length(),
+                    "normal of the plane of symmetry that the curve lies in, where it is one")
+                  .otherwise_in_words("none; the edge is clamped"),
+          },
+          {{{"curve"}}},
+          &C::where};
+}
+
+}  // namespace
+
 Section<ShellConfig> shell_keys() {
   using S = ShellConfig;
   using SelectionKind = Selection::Kind;
@@ -37,6 +53,13 @@ Section<ShellConfig> shell_keys() {
                 "rest")
               .otherwise("0"),
           field("bending", &S::bends, truth(), "whether the layer resists bending too, as a shell").otherwise("false"),
+          field("clamped", &S::clamped, list_of(map_of(clamped_edge_keys()), 0),
+                "curves at the edge of a layer that bends, across which it keeps its direction: clamped edges, and "
+                "planes of symmetry")
+              .left_out_if([](const S& shell) { return shell.clamped.empty(); }),
+          field("free", &S::is_free, truth(),
+                "whether the triangles of `surface` are a body of their own, and bound no tetrahedron")
+              .otherwise("false"),
       },
       {{{"surface", "box", "where"}}},
       &S::where};

@@ -68,9 +68,10 @@ void generate(const MeshSource& source) {
 }
 
 /// Makes solids that touch share their interface, so that their meshes conform.
-void join_solids() {
+void join_solids(bool has_shells) {
   gmsh::vectorpair solids;
   gmsh::model::getEntities(solids, 3);
+  if (solids.empty() && has_shells) return;
   if (solids.empty()) throw MeshDefect("it contains no solid, only surfaces or curves: export the solid body");
   if (solids.size() < 2) return;
   gmsh::model::occ::removeAllDuplicates();
@@ -98,6 +99,7 @@ double mean_edge(const SerialMesh& mesh) {
 /// Divisions of gmsh's built-in kernel (Transfinite, Layers) cannot be removed through its interface, and small
 /// features need small elements.
 void notice_other_size(SerialMesh& mesh, const MeshSource& source) {
+  if (mesh.num_cells() == 0) return;
   const double mean = mean_edge(mesh);
   if (!source.size || !source.sizes.empty() || (mean < 1.5 * *source.size && mean > 0.6 * *source.size)) return;
   mesh.notices.push_back(
@@ -116,7 +118,7 @@ SerialMesh mesh_script(const GmshSession& gmsh, const MeshSource& source) {
 SerialMesh mesh_cad(const GmshSession& gmsh, const MeshSource& source) {
   gmsh::option::setString("Geometry.OCCTargetUnit", "M");
   gmsh.run("read it", [&] { gmsh::open(source.file); });
-  gmsh.run("join its solids", [] { join_solids(); });
+  gmsh.run("join its solids", [&] { join_solids(!source.added_shells.empty()); });
   gmsh.run("mesh it", [&] { generate(source); });
   SerialMesh mesh = extracted(gmsh);
   if (!source.size) mesh.notices.push_back("no size is given: gmsh chose one, about a tenth of the body's diagonal");

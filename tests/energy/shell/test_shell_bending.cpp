@@ -1,11 +1,13 @@
-// Bending of shells: exact for constant curvature, derivatives, rigid motions, ranks.
+// Bending of shells: derivatives, rigid motions, ranks; with clamped edges.
 #include "energy/shell/shell_bending.hpp"
 #include "energy/solid.hpp"
 #include "fem/body.hpp"
 
 #include <cmath>
-#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -20,66 +22,6 @@ using test::Solid;
 using test::TestStage;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
-constexpr BendingStiffness plate{3.0, 0.3};
-
-/// The angles of a patch whose corners are lifted by a small deflection.
-std::array<double, 3> angles(const HingePatch& patch, const std::function<double(const Vector3<double>&)>& deflection) {
-  const auto lifted = [&](Vector3<double> X) {
-    X[2] += deflection(X);
-    return X;
-  };
-  std::array<double, 3> result{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (!patch.has_other[k]) continue;
-    const Vector3<double> a = lifted(patch.corners[k]);
-    result[k] = hinge_angle<double>(lifted(patch.corners[(k + 1) % 3]) - a, lifted(patch.corners[(k + 2) % 3]) - a,
-                                    lifted(patch.others[k]) - a);
-  }
-  return result;
-}
-
-HingePatch irregular() {
-  return {{{{0.0, 0.0, 0.0}, {1.0, 0.1, 0.0}, {0.3, 0.9, 0.0}}},
-          {{{0.6, -0.7, 0.0}, {1.1, 1.0, 0.0}, {-0.5, 0.6, 0.0}}},
-          {true, true, true}};
-}
-
-TEST(HingeMatrix, HasTheEnergyOfAPlateOfConstantCurvature) {
-  constexpr double size = 1e-5;
-  const HingePatch patch = irregular();
-  const double area = 0.5 * norm(cross(patch.corners[1], patch.corners[2]));
-  const auto M = hinge_matrix(patch, plate.rigidity, plate.poissons_ratio);
-  for (const auto& [xx, yy, xy] : {std::array{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, -0.5, 0.7}}) {
-    const auto theta = angles(patch, [&](const Vector3<double>& X) {
-      return size * (0.5 * xx * X[0] * X[0] + 0.5 * yy * X[1] * X[1] + xy * X[0] * X[1]);
-    });
-    double energy = 0.0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t j = 0; j < 3; ++j) energy += 0.5 * M[3 * i + j] * theta[i] * theta[j] / (size * size);
-    }
-    const double nu = plate.poissons_ratio, trace = xx + yy;
-    const double expected =
-        0.5 * area * plate.rigidity * ((1.0 - nu) * (xx * xx + yy * yy + 2.0 * xy * xy) + nu * trace * trace);
-    EXPECT_NEAR(energy, expected, 2e-3 * expected);  // the regularization
-  }
-}
-
-TEST(HingeMatrix, OfAFreeEdgeHasTheLeastEnergy) {
-  HingePatch patch = irregular();
-  const auto whole = hinge_matrix(patch, plate.rigidity, plate.poissons_ratio);
-  patch.has_other[1] = false;
-  const auto part = hinge_matrix(patch, plate.rigidity, plate.poissons_ratio);
-  // Without the second angle: the Schur complement.
-  for (const std::size_t i : {0, 2}) {
-    for (const std::size_t j : {0, 2}) {
-      const double expected = whole[3 * i + j] - whole[3 * i + 1] * whole[3 + j] / whole[4];
-      EXPECT_NEAR(part[3 * i + j], expected, 1e-12 * whole[4]);
-    }
-  }
-  for (std::size_t j = 0; j < 3; ++j) EXPECT_EQ(part[3 + j], 0.0);
-  patch.has_other = {false, false, false};
-  for (const double entry : hinge_matrix(patch, plate.rigidity, plate.poissons_ratio)) EXPECT_EQ(entry, 0.0);
-}
 
 TEST(HingeAngle, IsThatOfTheFold) {
   for (const double angle : {-2.5, -0.3, 0.0, 1e-9, 0.8, 3.0}) {
@@ -88,22 +30,53 @@ TEST(HingeAngle, IsThatOfTheFold) {
   }
 }
 
-/// The whole surface of a body resists bending.
+FacetList facets_of(const Solid& solid, bool is_clamped) {
+  return surface_facets(solid.mesh(), solid.layout(), [=](const Point& X) { return !is_clamped || X[2] > 1.0 - 1e-9; });
+}
+
+/// The sides of facets at x = 0, several times.
+std::vector<ClampedEdges> clamped_sides(const NodeLayout& layout, const FacetList& facets,
+                                        const std::optional<Vector3<double>>& normal) {
+  ClampedEdges result{{}, normal};
+  result.edges.nodes_per_edge = layout.order + 1;
+  constexpr std::array<std::array<std::size_t, 3>, 3> sides{{{0, 1, 3}, {1, 2, 4}, {0, 2, 5}}};
+  for (PetscInt f = 0; f < facets.size(); ++f) {
+    const auto nodes = facets.nodes_of(f);
+    for (const auto& [a, b, middle] : sides) {
+      if (facets.is_owned[static_cast<std::size_t>(f)] == 0) continue;
+      if (std::abs(layout.position(nodes[a])[0]) + std::abs(layout.position(nodes[b])[0]) > 1e-9) continue;
+      result.edges.nodes.insert(result.edges.nodes.end(), {nodes[a], nodes[b]});
+      if (layout.order == 2) result.edges.nodes.push_back(nodes[middle]);
+      result.edges.is_owned.push_back(1);
+    }
+  }
+  return {result};
+}
+
+enum class Support { none, clamped, symmetric };
+
+/// The whole surface of a body resists bending, or its top, which is clamped or symmetric at x = 0.
 struct Bent {
   Solid solid;
   ShellBending term;
   IncrementalPotential potential;
   TestStage stage;
 
-  Bent(MPI_Comm on, const std::string& file, const BodySpec& body)
+  Bent(MPI_Comm on, const std::string& file, const BodySpec& body, Support support = Support::none)
       : solid(on, file, body.order, 1),
-        term(solid.layout(), surface_facets(solid.mesh(), solid.layout(), [](const Point&) { return true; }),
-             [](const Point& X) {
-               return BendingStiffness{2.0 + X[0], 0.3};
-             }),
+        term(make_term(solid, support)),
         potential(solid.layout(), solid.pattern(), {&term}, solid.nothing_prescribed()),
         stage(solid, 0.7, 0.05, test::rough_field(0.01, 3), test::rough_field(0.3, 4)) {
     potential.begin_stage(stage.point);
+  }
+  static ShellBending make_term(const Solid& solid, Support support) {
+    const FacetList facets = facets_of(solid, support != Support::none);
+    std::optional<Vector3<double>> normal;
+    if (support == Support::symmetric) normal = Vector3<double>{1.0, 0.0, 0.0};
+    std::vector<ClampedEdges> clamped;
+    if (support != Support::none) clamped = clamped_sides(solid.layout(), facets, normal);
+    const auto stiffness = [](const Point& X) { return BendingStiffness{2.0 + X[0], 0.3}; };
+    return ShellBending(solid.layout(), facets, stiffness, clamped);
   }
   Handle<Vec> gradient(Vec q) {
     Handle<Vec> r = potential.make_vector();
@@ -123,13 +96,12 @@ INSTANTIATE_TEST_SUITE_P(Elements, Bending,
                          ::testing::Values(BodySpec{1, Shape::jittered, 3}, BodySpec{2, Shape::curved, 2}),
                          [](const auto& of) { return test::name_of(of.param); });
 
-TEST_P(Bending, DerivativesAreThoseOfDifferences) {
-  IncrementalPotential& potential = bent_.potential;
-  const Handle<Vec> q = bent_.solid.vector(test::strained), d = bent_.solid.vector(test::rough_field(1.0, 11));
+void check_derivatives(Bent& bent) {
+  IncrementalPotential& potential = bent.potential;
+  const Handle<Vec> q = bent.solid.vector(test::strained), d = bent.solid.vector(test::rough_field(1.0, 11));
   constexpr double h = 1e-6;
   const Handle<Vec> ahead = test::moved(q.get(), h, d.get()), behind = test::moved(q.get(), -h, d.get());
-  const Handle<Vec> r = bent_.gradient(q.get()), next = bent_.gradient(ahead.get()),
-                    last = bent_.gradient(behind.get());
+  const Handle<Vec> r = bent.gradient(q.get()), next = bent.gradient(ahead.get()), last = bent.gradient(behind.get());
   const double slope = (potential.value(ahead.get()) - potential.value(behind.get())) / (2.0 * h);
   ASSERT_GT(test::norm(r.get()), 0.1);
   EXPECT_NEAR(test::dot(r.get(), d.get()), slope, 1e-7 * test::norm(r.get()) * test::norm(d.get()));
@@ -146,6 +118,18 @@ TEST_P(Bending, DerivativesAreThoseOfDifferences) {
   EXPECT_GE(test::dot(y.get(), d.get()), 0.0);
 }
 
+TEST_P(Bending, DerivativesAreThoseOfDifferences) {
+  check_derivatives(bent_);
+}
+
+TEST_P(Bending, DerivativesOfHeldEdgesAre) {
+  for (const Support support : {Support::clamped, Support::symmetric}) {
+    Bent bent(comm, file_, GetParam(), support);
+    ASSERT_EQ(bent.term.num_unclamped(), 0);
+    check_derivatives(bent);
+  }
+}
+
 TEST_P(Bending, RigidMotionsCostNothing) {
   const Handle<Vec> q = bent_.solid.vector([](const Point& x) -> Point {
     return {-x[0] - x[1] + 0.3, x[0] - x[1] - 0.2, 4.0};  // a quarter of a turn, and a shift
@@ -155,7 +139,8 @@ TEST_P(Bending, RigidMotionsCostNothing) {
 }
 
 TEST_P(Bending, NumbersAreThoseOfOneRank) {
-  Bent alone(MPI_COMM_SELF, file_, GetParam());
+  Bent alone(MPI_COMM_SELF, file_, GetParam()), clamped(comm, file_, GetParam(), Support::clamped),
+      clamped_alone(MPI_COMM_SELF, file_, GetParam(), Support::clamped);
   const auto numbers = [](Bent& bent) {
     const Handle<Vec> q = bent.solid.vector(test::strained), d = bent.solid.vector(test::rough_field(1.0, 11)),
                       y = bent.potential.make_vector(), r = bent.gradient(q.get());
@@ -166,9 +151,11 @@ TEST_P(Bending, NumbersAreThoseOfOneRank) {
                       bent.potential.accounts().energies({0.0, 1.0, nullptr}, q.get(), nullptr).front(),
                       test::norm(r.get()), test::norm(y.get()), test::dot(r.get(), d.get())};
   };
-  const auto here = numbers(bent_), expected = numbers(alone);
-  for (std::size_t k = 0; k < here.size(); ++k) {
-    EXPECT_NEAR(here[k], expected[k], 1e-12 * std::abs(expected[k])) << k;
+  for (const auto& [bent, of_one] : {std::pair{&bent_, &alone}, {&clamped, &clamped_alone}}) {
+    const auto here = numbers(*bent), expected = numbers(*of_one);
+    for (std::size_t k = 0; k < here.size(); ++k) {
+      EXPECT_NEAR(here[k], expected[k], 1e-12 * std::abs(expected[k])) << k;
+    }
   }
 }
 

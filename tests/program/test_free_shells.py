@@ -1,0 +1,250 @@
+#!/usr/bin/python3
+"""Free shells, as users type them: published benchmarks, closed forms, orders, ranks, restart, results, refusals."""
+import csv
+import sys
+import unittest
+
+import numpy as np
+
+from program import ALL_OR_SOME, ROOT, ProgramTest, read_history, swept
+from shell_meshes import write_ball, write_patch
+
+sys.path.insert(0, str(ROOT / "src/python"))
+
+from pliant.result import Result  # noqa: E402
+
+LAW = "elasticity: {model: saint-venant-kirchhoff, youngs_modulus: %g, poissons_ratio: %g}"
+
+
+def cylinder(s, t):
+    return 300 * np.cos(np.pi / 2 * s), 300 * np.sin(np.pi / 2 * s), 300 * t
+
+
+def hemisphere(s, t):
+    latitude, longitude = np.radians(72) * t, np.pi / 2 * s
+    return 10 * np.cos(latitude) * np.cos(longitude), 10 * np.cos(latitude) * np.sin(longitude), 10 * np.sin(latitude)
+
+
+def roof(s, t):
+    return 25 * np.sin(np.radians(40) * s), 25 * np.cos(np.radians(40) * s), 25 * t
+
+
+def flat(s, t):
+    return s, t, 0.0
+
+
+# An octant of the cylinder, a quarter of the others: its shape, its layer, what holds it and loads it, where it is looked at.
+CYLINDER = f"""mesh: {{file: sheet.msh}}
+shells:
+  - {{name: cylinder, surface: sheet, free: true, thickness: 3, bending: true, {LAW % (3e6, 0.3)},
+     clamped: [{{curve: s0, normal: [0, 1, 0]}}, {{curve: s1, normal: [1, 0, 0]}}, {{curve: t0, normal: [0, 0, 1]}}]}}
+constraints:
+  - {{curve: s0, displacement: [free, 0, free]}}
+  - {{curve: s1, displacement: [0, free, free]}}
+  - {{curve: t0, displacement: [free, free, 0]}}
+  - {{curve: t1, displacement: [0, 0, free]}}
+loads: [{{point: p10, force: [0, -0.25, 0]}}]
+probes: [{{name: p, point: [0, 300, 0]}}]
+"""
+HEMISPHERE = f"""mesh: {{file: sheet.msh}}
+shells:
+  - {{name: hemisphere, surface: sheet, free: true, thickness: 0.04, bending: true, {LAW % (6.825e7, 0.3)},
+     clamped: [{{curve: s0, normal: [0, 1, 0]}}, {{curve: s1, normal: [1, 0, 0]}}]}}
+constraints:
+  - {{curve: s0, displacement: [free, 0, free]}}
+  - {{curve: s1, displacement: [0, free, free]}}
+  - {{point: p00, displacement: [free, free, 0]}}
+loads: [{{point: p00, force: [2, 0, 0]}}, {{point: p10, force: [0, -2, 0]}}]
+probes: [{{name: p, point: [10, 0, 0]}}, {{name: q, point: [0, 10, 0]}}]
+"""
+ROOF = f"""mesh: {{file: sheet.msh}}
+shells:
+  - {{name: roof, surface: sheet, free: true, thickness: 0.25, bending: true, {LAW % (4.32e8, 0)},
+     clamped: [{{curve: s0, normal: [1, 0, 0]}}, {{curve: t0, normal: [0, 0, 1]}}]}}
+constraints:
+  - {{curve: s0, displacement: [0, free, free]}}
+  - {{curve: t0, displacement: [free, free, 0]}}
+  - {{curve: t1, displacement: [0, 0, free]}}
+loads: [{{surface: sheet, traction: [0, -0.09, 0]}}]
+probes: [{{name: p, point: [{25 * np.sin(np.radians(40))!r}, {25 * np.cos(np.radians(40))!r}, 0]}}]
+"""
+# A sheet clamped on one side, shaken in space.
+SHAKEN = f"""mesh: {{file: sheet.msh}}
+shells:
+  - {{name: flag, surface: sheet, free: true, thickness: 20 mm, density: 1000, bending: true, damping: 1 ms, {LAW % (1e7, 0.3)},
+     clamped: [{{curve: s0}}]}}
+constraints: [{{curve: s0, displacement: [0, 0, 0]}}]
+loads: [{{gravity: [0, "2*(1-cos(8*t))", "-5*(1-cos(6*t))"]}}, {{surface: sheet, pressure: "20*(1-cos(9*t))"}}]
+probes: [{{name: tip, point: [1, 0.4, 0]}}]
+"""
+
+
+class FreeShells(ProgramTest):
+    def patch(self, n, place, **more):
+        write_patch(self.directory / "sheet.msh", n, place, **more)
+
+    def end_of(self, text, ranks=1):
+        return {name: column[-1] for name, column in self.solve(text, "method: static", ranks).items()}
+
+    def test_a_sheet_is_stretched(self):
+        # Plane stress, homogeneous on any mesh.
+        E, nu, h, stretch = 1e6, 0.3, 1e-3, 1.2
+        self.patch(4, flat, jitter=0.3)
+        text = f"""mesh: {{file: sheet.msh}}
+shells: [{{name: sheet, surface: sheet, free: true, thickness: {h}, {LAW % (E, nu)}}}]
+constraints:
+  - {{curve: s0, displacement: [0, free, free]}}
+  - {{curve: t0, displacement: [free, 0, free]}}
+  - {{curve: s1, displacement: [{stretch - 1}, free, free], name: right}}
+  - {{where: "x > -1", displacement: [free, free, 0]}}
+probes: [{{name: p, point: [0.4, 1, 0]}}]
+"""
+        for element in swept(("P1", "P2"), ("P1", "P2")):
+            found = self.end_of(f"element: {element}\n{text}")
+            strain = (stretch**2 - 1) / 2
+            across = np.sqrt(1 - 2 * nu * strain)
+            np.testing.assert_allclose(found["right_fx"], E * strain * stretch * h, rtol=1e-6, err_msg=element)
+            np.testing.assert_allclose(found["p_y"], across, rtol=1e-7, err_msg=element)
+
+    def test_benchmarks(self):
+        # Published displacements; coarse meshes, which docs/shells.md refines.
+        self.patch(16, roof)
+        found = self.end_of(ROOF)
+        np.testing.assert_allclose(25 * np.cos(np.radians(40)) - found["p_y"], 0.3024e-3, rtol=0.06)
+        self.patch(16, cylinder)
+        np.testing.assert_allclose(300 - self.end_of(CYLINDER)["p_y"], 1.82488e-5, rtol=0.2)
+        self.patch(12, hemisphere)
+        found = self.end_of(HEMISPHERE)
+        np.testing.assert_allclose([found["p_x"] - 10, found["q_y"] - 10], [0.1849363, -0.1890221], rtol=0.1)
+
+    def test_a_plate_on_any_mesh(self):
+        # Uniform load (Timoshenko & Woinowsky-Krieger): 0.00406235 q a^4/D on supports, 0.00126532 q a^4/D clamped.
+        E, nu, h, q = 1e9, 0.3, 0.01, 1e-2
+        D = E * h**3 / (12 * (1 - nu**2))
+        for held, expected in (("", 0.00406235), (", clamped: [{curve: s0}, {curve: s1}, {curve: t0}, {curve: t1}]", 0.00126532)):
+            for alternate, jitter in swept(((False, 0.0), (True, 0.0), (True, 0.25)), ((True, 0.25),)):
+                self.patch(16, flat, alternate=alternate, jitter=jitter)
+                text = f"""mesh: {{file: sheet.msh}}
+shells: [{{name: plate, surface: sheet, free: true, thickness: {h}, bending: true, {LAW % (E, nu)}{held}}}]
+constraints: [{', '.join(f'{{curve: {c}, displacement: [0, 0, 0]}}' for c in ('s0', 's1', 't0', 't1'))}]
+loads: [{{surface: sheet, traction: [0, 0, {q}]}}]
+probes: [{{name: p, point: [0.5, 0.5, 0]}}]
+"""
+                np.testing.assert_allclose(self.end_of(text)["p_z"], expected * q / D, rtol=0.06, err_msg=f"{held} {alternate} {jitter}")
+
+    def test_a_plate_vibrates(self):
+        # On four supports: (pi/2) (1 + 1) sqrt(D / (rho h)) / a^2.
+        E, nu, h, density = 1e9, 0.3, 0.01, 1000
+        self.patch(12, flat, alternate=True)
+        self.write("in.yaml", f"""mesh: {{file: sheet.msh}}
+shells: [{{name: plate, surface: sheet, free: true, thickness: {h}, density: {density}, bending: true, {LAW % (E, nu)}}}]
+constraints: [{', '.join(f'{{curve: {c}, displacement: [0, 0, 0]}}' for c in ('s0', 's1', 't0', 't1'))}]
+time: {{method: bdf2, step: 1 ms, end: 1}}
+""")
+        self.pliant("modes", "in.yaml", "--output", "modes", "--number", "4")
+        with open(self.directory / "modes/modes.csv", encoding="ascii", newline="") as stream:
+            found = [float(row["frequency"]) for row in csv.DictReader(stream)]
+        unit = np.pi / 2 * np.sqrt(E * h**3 / (12 * (1 - nu**2)) / (density * h))
+        np.testing.assert_allclose(found, unit * np.array([2, 5, 5, 8]), rtol=0.06)
+
+    def test_a_balloon(self):
+        # A spherical membrane: p = 2 h mu/R (1/l - 1/l^7).
+        mu, h, R, stretch = 300e3, 1e-3, 0.1, 1.2
+        write_ball(self.directory / "sheet.msh", 8, R)
+        pressure = 2 * h * mu / R * (1 / stretch - stretch**-7)
+        text = f"""mesh: {{file: sheet.msh}}
+shells: [{{name: balloon, surface: sheet, free: true, thickness: {h},
+  elasticity: {{model: neo-hookean-isochoric, shear_modulus: {mu}, bulk_modulus: 1e9}}}}]
+constraints:
+  - {{where: "abs(x) < 1e-9", displacement: [0, free, free]}}
+  - {{where: "abs(y) < 1e-9", displacement: [free, 0, free]}}
+  - {{where: "abs(z) < 1e-9", displacement: [free, free, 0]}}
+loads: [{{surface: sheet, pressure: {pressure}}}]
+probes: [{{name: pole, point: [{R}, 0, 0]}}]
+"""
+        for ranks in swept((1, 2, 3), (1, 3)):
+            np.testing.assert_allclose(self.end_of(text, ranks)["pole_x"] / R, stretch, rtol=0.03)
+
+    def test_orders(self):
+        self.patch((4, 2), lambda s, t: (s, 0.4 * t, 0.0))
+        self.write("in.yaml", SHAKEN + "time: {method: bdf2, step: 2 ms, end: 0.1, startup: dirk33}\n")
+        self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", ALL_OR_SOME)
+
+    def test_ranks_restart_and_ledger(self):
+        self.patch((6, 3), lambda s, t: (s, 0.4 * t, 0.0), alternate=True)
+        text = SHAKEN + "solver: {newton: {relative: 1e-12}}\n"
+        time = "method: dirk22, step: 10 ms, end: 0.1"
+        one = self.solve(text, time)
+        self.assertGreater(np.abs(one["tip_z"]).max(), 1e-3)
+        self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-6 * np.abs(one["load_work"]).max())
+        for ranks in swept((2, 3), (3,)):
+            self.assert_same_history(one, self.solve(text, time, ranks), 1e-7)
+        self.write("part.yaml", text + "checkpoint: {}\ntime: {method: dirk22, step: 10 ms, end: 0.05}\n")
+        self.run_input("part.yaml", output="part")
+        self.pliant("resume", "part", "--quiet", "--set", "time.end=0.1", ranks=2)
+        resumed = read_history(self.directory / "part")
+        for name in ("kinetic_energy", "elastic_energy", "tip_z"):
+            np.testing.assert_allclose(resumed[name][-1], one[name][-1], rtol=1e-6, atol=1e-9, err_msg=name)
+
+    def test_a_shell_on_a_block(self):
+        # A sheet in the extension of a block's side, joined by shared nodes: both carry the same force.
+        self.write("joined.geo", """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 1, 1, 0.5};
+Rectangle(100) = {1, 0, 0.5, 1, 1};
+BooleanFragments{ Volume{1}; Delete; }{ Surface{100}; Delete; }
+e = 1e-6;
+Physical Volume("block") = {1};
+Physical Surface("sheet") = Surface In BoundingBox {1-e, -e, 0.5-e, 2+e, 1+e, 0.5+e};
+Physical Surface("bottom") = Surface In BoundingBox {-e, -e, -e, 1+e, 1+e, e};
+Physical Curve("end") = Curve In BoundingBox {2-e, -e, -e, 2+e, 1+e, 1};
+Mesh.MeshSizeMax = 0.5;
+""")
+        found = self.end_of(f"""mesh: {{file: joined.geo}}
+bodies: [{{volume: block, elasticity: {{model: linear, youngs_modulus: 1e6, poissons_ratio: 0.3}}}}]
+shells: [{{name: sail, surface: sheet, free: true, thickness: 1 mm, {LAW % (1e6, 0)}}}]
+constraints:
+  - {{surface: bottom, displacement: [0, 0, 0]}}
+  - {{curve: end, displacement: [1 mm, 0, 0], name: pull}}
+""")
+        self.assertGreater(found["pull_fx"], 0.5)
+        self.assertLess(found["pull_fx"], 1.0)
+        np.testing.assert_allclose(found["bottom_fx"], -found["pull_fx"], rtol=1e-6)
+
+    def test_results(self):
+        self.patch((6, 3), lambda s, t: (s, 0.4 * t, 0.0))
+        self.write("in.yaml", SHAKEN + "time: {method: dirk22, step: 20 ms, end: 0.2}\noutput: {every: 0.2}\n")
+        self.run_input("in.yaml", output="out", ranks=2)
+        frame = Result(self.directory / "out")[-1]
+        corners = frame.positions()[frame.mesh.cells]
+        sizes = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max()
+        self.assertLess(sizes, 0.3)  # the cells stay together
+        volumes = np.linalg.det(corners[:, 1:] - corners[:, :1]) / 6
+        self.assertGreater(volumes.min(), 0)
+        self.assertLess(volumes.sum(), 0.4 * 20e-3)
+        self.assertIn("flag: 36 facets, 0.4 m^2", self.pliant("check", "in.yaml").stdout)
+        self.pliant("report", "out")
+
+    def test_what_is_refused(self):
+        self.patch((4, 2), lambda s, t: (s, 0.4 * t, 0.0))
+        text = SHAKEN + "time: {method: bdf2, step: 4 ms, end: 0.2}\n"
+        cases = {
+            "no surface 'shet' in the mesh (did you mean 'sheet'?)": text.replace("surface: sheet, free", "surface: shet, free"),
+            "it contains no tetrahedra": text.replace("free: true, ", "").replace("loads:", "bodies: [{density: 1, elasticity: "
+            "{model: linear, youngs_modulus: 1, poissons_ratio: 0}}]\nloads:"),
+            "needs 'surface', a physical surface": text.replace("surface: sheet, free", 'where: "x > -1", free'),
+            "missing key 'density' of free shell 'flag'": text.replace("density: 1000, ", ""),
+            "cannot be refined with the mesh": text.replace("sheet.msh}", "sheet.msh, refine: 1}"),
+            "has no direction that 'clamped' could hold": text.replace("bending: true, ", ""),
+            "missing key 'mesh'": text.replace("mesh: {file: sheet.msh}\n", ""),
+        }
+        for message, wrong in cases.items():
+            with self.subTest(message):
+                self.write("in.yaml", wrong)
+                done = self.call("run", "in.yaml")
+                self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+                self.assertIn(message, done.stderr)
+                self.assertRegex(done.stderr, r"in\.yaml:\d+:\d+: ")
+
+
+if __name__ == "__main__":
+    unittest.main()
