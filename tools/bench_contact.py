@@ -17,7 +17,8 @@ import time
 import meshio
 import numpy as np
 
-import command_line
+import package  # noqa: F401  finds the package pliant
+from pliant.pictures.command_line import Parser, report
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 PLIANT = os.environ.get("PLIANT", os.path.join(ROOT, "build", "bin", "pliant"))
@@ -176,7 +177,7 @@ def compare(name, ranks, directory):
 
 
 def main():
-    parser = command_line.Parser(description=__doc__.splitlines()[0])
+    parser = Parser(description=__doc__.splitlines()[0])
     parser.add_argument("cases", nargs="*", metavar="CASE", help=f"of {', '.join(CASES)}; default: all")
     parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2])
     options = parser.parse_args()
@@ -189,7 +190,7 @@ def main():
                 with tempfile.TemporaryDirectory() as directory:
                     compare(name, ranks, directory)
     except (Failure, FileNotFoundError) as error:
-        return command_line.report("bench_contact.py", error)
+        return report("bench_contact.py", error)
     return 0
 
 

@@ -7,6 +7,8 @@ namespace {
 
 /// Iterations to a nearby equilibrium: Newton's method converges quadratically.
 constexpr int max_followed = 8;
+/// Iterations to a nearby minimum where bodies meet, which have to find out where.
+constexpr int max_meeting = 16;
 /// Whole steps converge within a few, or not at all.
 constexpr int max_whole_steps = 12;
 /// How much a stage without an equilibrium adds to the count of difficulties, from which each other stage subtracts
@@ -78,7 +80,8 @@ StageReport EquilibriumSearch::seek(Vec q, Vec second_guess, int max_iterations)
   work.limit = max_iterations;
   const auto few = [&] { return std::min(max_followed, work.left()); };
   const auto minimise = [&] {
-    const bool arrives = attempt(q, best.get(), usual, few(), work);
+    const int near = objective_.equation().has_walls() ? max_meeting : max_followed;
+    const bool arrives = attempt(q, best.get(), usual, std::min(near, work.left()), work);
     check(VecCopy(q, lowest.get()));
     return arrives;
   };

@@ -18,8 +18,7 @@ struct ShiftSequence {
   double least, growth;
 };
 constexpr ShiftSequence usual_shifts{1e-6, 8.0};
-/// The negative directions of barriers are stiff: small shifts do not help, and larger ones than these would leave
-/// Newton's steps short everywhere, where the barriers can be projected instead.
+/// The negative directions of barriers are stiff: small shifts do not help there.
 constexpr ShiftSequence shifts_at_walls{1e-3, 30.0};
 
 /// Shift of the diagonal at the end of the fallback sequence, as a fraction of its mean: enough to make a singular
@@ -173,10 +172,13 @@ bool LinearSystem::factorize_definite(Vec q) {
     return true;
   }
   if (has_right_inertia()) return true;
+  // Shifts that outweigh the negative directions of barriers leave Newton's steps short everywhere else.
+  const bool projects_first = equation_.has_walls() && remedy_ == Remedy::projected_walls;
+  if (projects_first && factorize_with_projected_walls(q)) return true;
   if (factorize_shifted(q)) return true;
   if (factor_.lacks_memory()) return false;
   last_shift_ = 0.0;
-  if (equation_.has_walls() && factorize_with_projected_walls(q)) return true;
+  if (!projects_first && equation_.has_walls() && factorize_with_projected_walls(q)) return true;
   assemble(q, Projection::positive_semidefinite);
   factorize(q);
   factor_.renew();
@@ -187,7 +189,8 @@ bool LinearSystem::factorize_definite(Vec q) {
 // On a merit of the residual, a direction that is long along an unstable mode gains nothing.
 bool LinearSystem::factorize_shifted(Vec q) {
   if (!objective_.is_minimised() && !objective_.is_static()) return false;
-  const ShiftSequence& shifts = equation_.has_walls() ? shifts_at_walls : usual_shifts;
+  const bool has_walls = equation_.has_walls() && remedy_ == Remedy::shifted_diagonal;
+  const ShiftSequence& shifts = has_walls ? shifts_at_walls : usual_shifts;
   const double mean = mean_diagonal();
   double total = 0.0;
   for (double part = std::max(shifts.least, last_shift_ / 3.0); part <= largest_shift; part *= shifts.growth) {
@@ -207,20 +210,29 @@ bool LinearSystem::factorize_with_projected_walls(Vec q) {
   assemble(q, Projection::walls);
   factorize(q);
   factor_.renew();
-  return has_right_inertia();
+  return projects_walls_ = has_right_inertia();
 }
 
 bool LinearSystem::is_stable(Vec q) {
   return has_right_inertia() || (equation_.has_walls() && factorize_with_projected_walls(q));
 }
 
-bool LinearSystem::prepare(Vec q) {
+bool LinearSystem::prepare(Vec q, Remedy first) {
+  projects_walls_ = false;
+  remedy_ = first;
   if (!factor_.wants_factor()) {
     if (rotations_) rotations_->follow(equation_.displacements(q));
     return true;
   }
   factorize_definite(q);
   return !factor_.has_failed() || escalate(q);
+}
+
+bool LinearSystem::prepare_with_projected_walls(Vec q) {
+  if (factorize_with_projected_walls(q)) return true;
+  if (factor_.lacks_memory()) return false;
+  assemble(q);
+  return prepare(q);
 }
 
 bool LinearSystem::escalate(Vec q) {

@@ -25,9 +25,9 @@ namespace pliant {
 /// (CorotatedPreconditioner).
 ///
 /// The requirements on K depend on the aim of the objective. For a minimum, K must have no more negative eigenvalues
-/// than that of a stable state: if the factorization counts more, the diagonal is shifted by the least amount that
-/// helps, or K is projected. For any equilibrium, K is used unchanged, with another Krylov method if it is indefinite.
-/// The pivots of an unsymmetric K do not indicate stability.
+/// than that of a stable state: if the factorization counts more, barriers are projected, the diagonal is shifted by
+/// the least amount that helps, or all of K is projected. For any equilibrium, K is used unchanged, with another Krylov
+/// method if it is indefinite. The pivots of an unsymmetric K do not indicate stability.
 ///
 /// Invariants:
 /// - After `assemble` and the changes of K that follow it, the state of the escalation says what K is.
@@ -54,9 +54,18 @@ class LinearSystem {
   double mean_diagonal();
   /// Factorizes K at q; if the aim requires it, shifts or projects K until it is definite. Returns false if that fails.
   bool factorize_definite(Vec q);
+  /// What is tried first where K is indefinite at barriers.
+  enum class Remedy {
+    projected_walls,  ///< barriers without their negative curvature: far the cheapest, and it rarely fails
+    shifted_diagonal  ///< the least shift, which keeps Newton's steps long along negative curvature
+  };
   /// Prepares solves with K at q: with the kept factor if that still pays, otherwise with a factor of its own,
   /// escalating as necessary. Returns false if no factor can be computed.
-  bool prepare(Vec q);
+  bool prepare(Vec q, Remedy first = Remedy::projected_walls);
+  /// Whether K was made definite by projected barriers, as the K of the next iterate is likely to need.
+  bool projects_walls() const { return projects_walls_; }
+  /// Does the work of `assemble` and `prepare` with projected barriers from the start.
+  bool prepare_with_projected_walls(Vec q);
 
   /// y = K^-1 r.
   void solve(Vec r, Vec y);
@@ -117,7 +126,9 @@ class LinearSystem {
   std::unique_ptr<CorotatedPreconditioner> corotated_;  // nullptr likewise
   FactorPolicy factor_;
   Escalation escalation_;
-  bool may_choose_krylov_;   // the linear solver is conjugate gradients, and not by the user's choice
+  bool may_choose_krylov_;  // the linear solver is conjugate gradients, and not by the user's choice
+  bool projects_walls_ = false;
+  Remedy remedy_ = Remedy::projected_walls;
   double last_shift_ = 0.0;  // of an indefinite Hessian, as a fraction of its mean diagonal
 };
 

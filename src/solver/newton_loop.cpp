@@ -15,6 +15,12 @@ constexpr double nearly_converged = 1e-3;
 /// Iterations that end at a wall are not counted, but there are no more than this multiple of the limit in all. They
 /// find one by one what the bodies meet on their way, and lose less than the shorter steps that would follow.
 constexpr int most_per_counted = 4;
+/// Iterations that go less than this part of the way to a wall do not end at it.
+constexpr double part_to_wall = 0.5;
+/// Where the residual falls below this fraction in an iteration, the exact Hessian is likely to be definite next.
+constexpr double fast_fall = 0.5;
+/// After so many iterations with projected barriers from the start the residual hovers: negative curvature may lead on.
+constexpr int most_projecting = 3;
 /// Relative tolerance of linear systems whose solutions are taken as whole steps: with errors in stiff directions, a
 /// step along soft ones would cause large forces.
 constexpr double tolerance_of_whole_steps = 1e-8;
@@ -50,7 +56,7 @@ StageReport NewtonLoop::run(Vec q) {
   const double before = statistics_.factorization_seconds + statistics_.assembly_seconds + statistics_.solve_seconds;
   double total = 0.0;
   is_at_rounding_ = false;
-  num_at_wall_ = 0;
+  num_at_wall_ = num_projecting_ = 0;
   line_search_.begin();
   {
     const Stopwatch watch(total);
@@ -71,10 +77,23 @@ StageReport NewtonLoop::run(Vec q) {
 }
 
 void NewtonLoop::linearize(Vec q) {
-  system_.assemble(q);
+  using enum LinearSystem::Remedy;
+  const bool hovers = num_projecting_ >= most_projecting;
+  const bool projects = goes_on_projecting() && !hovers;
+  if (!projects) system_.assemble(q);
   if (adapts_tolerance_) set_tolerance();
   objective_.scale_merit(system_.sparse_matrix());
-  if (!system_.prepare(q)) check(SNESSetJacobianDomainError(snes_.get()));
+  const bool is_prepared = projects ? system_.prepare_with_projected_walls(q)
+                                    : system_.prepare(q, hovers ? shifted_diagonal : projected_walls);
+  num_projecting_ = projects ? num_projecting_ + 1 : 0;
+  if (!is_prepared) check(SNESSetJacobianDomainError(snes_.get()));
+}
+
+bool NewtonLoop::goes_on_projecting() const {
+  const auto& iterations = log_.iterations();
+  if (!system_.projects_walls() || !objective_.is_minimised() || iterations.size() < 2) return false;
+  const double before = iterations[iterations.size() - 2].residual;
+  return iterations.back().residual > fast_fall * before;
 }
 
 void NewtonLoop::search(SNESLineSearch search) {
@@ -109,7 +128,7 @@ bool NewtonLoop::go_along(Vec q, Vec r, Vec y, SNESLineSearch search) {
       line_.take(q, r);
       if (objective_.is_minimised()) value_ = outcome.potential;
       last_length_ = outcome.length;
-      if (start.is_at_wall) ++num_at_wall_;
+      if (start.is_at_wall && outcome.length > part_to_wall * start.first_length) ++num_at_wall_;
       check(SNESLineSearchSetLambda(search, outcome.length));
       check(SNESLineSearchSetNorms(search, norm(q), outcome.residual, outcome.length * start.step));
       return true;

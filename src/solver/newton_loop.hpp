@@ -74,6 +74,8 @@ class NewtonLoop final : public Iteration {
   Handle<SNES> make_snes(Mat K, const NewtonOptions& options, LinearKind linear);
 
   void linearize(Vec q);
+  /// Whether the Hessian is likely to need projected barriers, as in the last iteration of this run.
+  bool goes_on_projecting() const;
   /// Sets the tolerance of the next linear system.
   void set_tolerance();
   void search(SNESLineSearch search);
@@ -100,6 +102,7 @@ class NewtonLoop final : public Iteration {
   double value_ = 0.0;            // potential at the iterate, if it is minimised
   int limit_ = 0;                 // most iterations of a run, those that end at a wall not counted
   int num_at_wall_ = 0;           // iterations of this run that did
+  int num_projecting_ = 0;        // iterations of this run, the last ones, with projected barriers from the start
   double last_length_ = 0.0;      // length of the last accepted step, relative to the full Newton step
   bool is_at_rounding_ = false;   // the last line search of this run ended there
   bool has_direction_ = false;    // there was a direction in this stage

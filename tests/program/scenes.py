@@ -229,6 +229,12 @@ def write_geometry(path, bodies, fineness):
 
 # The input.
 
+def held_part(body):
+    """How much of a body's height is held or moved: so much that there are nodes. A body of gmsh may be far from the corners of its box,
+    but not from the middle."""
+    return 0.25 if body.solid == () else 0.5
+
+
 def within(body, part=1.0):
     """A condition: points of the body, or of its lowest part along z."""
     low, high = body.bounds()
@@ -358,11 +364,11 @@ def constraints(seed, bodies, motions, is_static):
     kind = "moved" if is_static else rng.of({"none": 6, "held": 2, "moved": 2})
     if kind == "held":
         motions[-1] = (np.zeros(3), np.zeros(3))
-        result.append({"where": within(bodies[-1], 0.25), "displacement": [0, 0, 0]})
+        result.append({"where": within(bodies[-1], held_part(bodies[-1])), "displacement": [0, 0, 0]})
     if kind == "moved":
         v = motions[0][0]
         motions[0] = (v, np.zeros(3))
-        place = {"volume": bodies[0].name} if rng.chance(0.5) else {"where": within(bodies[0], 0.25)}
+        place = {"volume": bodies[0].name} if rng.chance(0.5) else {"where": within(bodies[0], held_part(bodies[0]))}
         result.append({**place, "displacement": [f"{c}*t" for c in v]})
     if rng.chance(0.1) and len(bodies) > 2 and not is_static:
         result.append({"volume": bodies[1].name, "rigid": {}})

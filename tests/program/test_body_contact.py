@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Bodies that touch one another: weight, impacts, what does not pass through what, ranks, and messages."""
+import json
 import unittest
 
 import h5py
@@ -315,6 +316,33 @@ output: {{fields: [cauchy_stress]}}
                 with h5py.File(self.directory / "out/patch/result.h5") as file:
                     vertical = file["frames"][max(file["frames"])]["cauchy_stress"][:, 2]
                 np.testing.assert_allclose(vertical, -0.625, rtol=0.01)
+
+    def test_rims_on_one_another_take_few_factorizations(self):
+        # Points that slide off a rim make the Hessian indefinite. Barriers lose their negative curvature then, without further attempts.
+        self.write("rims.geo", """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 1, 1, 1};
+Box(2) = {0, 0, 1.00001, 1, 1, 1};
+MeshSize{ PointsOf{ Volume{1}; } } = 0.16;
+MeshSize{ PointsOf{ Volume{2}; } } = 0.12;
+Physical Volume("lower") = {1};
+Physical Volume("upper") = {2};
+Physical Surface("bottom") = {5};
+Physical Surface("lid") = {12};
+""")
+        law = "elasticity: {model: linear, youngs_modulus: 125, poissons_ratio: 0.25}"
+        done = self.call("run", self.write("rims.yaml", f"""
+mesh: {{file: rims.geo}}
+bodies: [{{volume: lower, {law}}}, {{volume: upper, {law}}}]
+constraints: [{{surface: bottom, displacement: [0, 0, 0]}}, {{surface: lid, displacement: [0, 0, -0.01]}}]
+contact: {{law: barrier, pairs: [{{surface: upper, with: lower}}]}}
+time: {{method: static, load_steps: 4}}
+"""))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        summary = json.loads((self.directory / "out/rims/summary.json").read_text())
+        self.assertEqual(summary["steps"]["failed"], 0)
+        solver = summary["solver"]
+        self.assertGreater(solver["projections"], 0)
+        self.assertLess(solver["factorizations"], 0.75 * solver["newton_iterations"], solver)
 
     def test_a_penalty_does_not_end_at_a_plane_of_symmetry(self):
         # A quarter of two balls on coarse meshes, which touch on the axis alone, where both planes meet. With springs so stiff that
