@@ -21,7 +21,7 @@ constexpr double little_nearer = 0.3;
 constexpr double part_to_wall = 0.5;
 /// Most of Newton's steps between two rounds, and the fraction of the residual's merit that each must at least remove.
 constexpr int max_steps = 8;
-constexpr double least_progress = 0.5;
+constexpr double least_progress = 0.7;
 constexpr int max_halvings = 3;
 /// Relative residual of the linear systems.
 constexpr double linear_tolerance = 1e-3;
