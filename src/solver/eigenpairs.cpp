@@ -19,8 +19,10 @@ namespace {
 /// The first shift below the eigenvalues, as a fraction of the mean of K_ii / M_ii, roughly the largest eigenvalue: far
 /// above rounding errors, below the first eigenvalue of all but very slender bodies. Each further one is a multiple.
 constexpr double first_shift = 1e-9, shift_factor = 10.0, largest_shift = 1e2;
-/// Rounding errors in eigenvalues, measured on bodies that nothing holds, as a fraction of sum K_ii x_i^2 / x . M x.
-constexpr double rounding_fraction = 1e-13;
+/// Rounding errors in eigenvalues, measured on bodies, shells, rods and mechanisms that nothing holds, and a tenth or
+/// less of the first eigenvalue of the slenderest ones: those of the summands of x . K x, which are independent, and of
+/// the factors, as a part of the sum of K_ii over that of M_ii; and a period of two days, which no body has [1/s^2].
+constexpr double part_of_summands = 2e-14, part_of_quotient = 3e-16, slower_than_all = 1e-9;
 /// The least value of that mean: of bodies that nothing but rounding errors holds [1/s^2].
 constexpr double least_mean = 1e-3;
 constexpr double tolerance = 1e-10;
@@ -33,6 +35,7 @@ MPI_Comm comm_of(Mat K) {
 /// What the diagonals of K and M say.
 struct Scale {
   double mean = 0.0;         ///< of |K_ii| / M_ii where there is mass [1/s^2]
+  double quotient = 0.0;     ///< the sum of |K_ii| over that of M_ii, likewise [1/s^2]
   PetscInt64 with_mass = 0;  ///< number of such unknowns
 };
 
@@ -42,26 +45,31 @@ Scale scale_of(const EigenProblem& problem) {
   check(MatGetDiagonal(problem.K, k.get()));
   check(MatGetDiagonal(problem.M, m.get()));
   const ConstArrayView stiffness(k.get()), mass(m.get());
-  double total = 0.0;
+  double total = 0.0, total_stiffness = 0.0, total_mass = 0.0;
   PetscInt64 count = 0;
   for (std::size_t i = 0; i < mass.span().size(); ++i) {
     if (!(mass.span()[i] > 0.0)) continue;
     total += std::abs(stiffness.span()[i]) / mass.span()[i];
+    total_stiffness += std::abs(stiffness.span()[i]);
+    total_mass += mass.span()[i];
     ++count;
   }
   Scale scale;
   scale.with_mass = sum(comm_of(problem.K), count);
   scale.mean = sum(comm_of(problem.K), total) / std::max(1.0, static_cast<double>(scale.with_mass));
   scale.mean = std::max(scale.mean, least_mean);
+  total_mass = sum(comm_of(problem.K), total_mass);
+  scale.quotient = sum(comm_of(problem.K), total_stiffness) / (total_mass > 0.0 ? total_mass : 1.0);
   return scale;
 }
 
-/// The size of rounding errors in x . K x, for x . M x = 1, from the diagonal of K.
-double rounding_of(Vec diagonal, Vec x) {
+/// The size of rounding errors in the eigenvalue of x, for x . M x = 1, from the diagonal of K and the scale.
+double rounding_of(Vec diagonal, Vec x, const Scale& scale) {
   const ConstArrayView k(diagonal), shape(x);
-  double total = 0.0;
-  for (std::size_t i = 0; i < k.span().size(); ++i) total += std::abs(k.span()[i]) * std::pow(shape.span()[i], 2);
-  return rounding_fraction * sum(PetscObjectComm(reinterpret_cast<PetscObject>(x)), total);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < k.span().size(); ++i) squares += std::pow(k.span()[i] * std::pow(shape.span()[i], 2), 2);
+  const double summands = std::sqrt(sum(PetscObjectComm(reinterpret_cast<PetscObject>(x)), squares));
+  return std::max({part_of_summands * summands, part_of_quotient * scale.quotient, slower_than_all});
 }
 
 /// The factors of K - sigma M.
@@ -176,7 +184,7 @@ Eigenpairs solve(const EigenProblem& problem, PetscInt number, double sigma, con
   check(MatGetDiagonal(problem.K, diagonal.get()));
   for (const std::size_t i : order) {
     found.values.push_back(values[i]);
-    found.roundings.push_back(rounding_of(diagonal.get(), vectors[i].get()));
+    found.roundings.push_back(rounding_of(diagonal.get(), vectors[i].get(), scale));
     found.vectors.push_back(std::move(vectors[i]));
   }
   return found;
