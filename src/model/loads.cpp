@@ -48,11 +48,12 @@ class LoadTerms {
     if (!any) return nullptr;
     return dead_load(samples_of(bodies_.rods.term->masses(pulled)), gravity->acceleration);
   }
-  /// The weight of shells, on which gravity acts wherever it acts on all bodies.
+  /// The weight of shells, on which gravity acts where it acts on all bodies, and of a free one by its name.
   Term weight_of_shell(const LoadConfig& load, const ModelShell& shell) const {
     const auto* gravity = std::get_if<LoadConfig::Gravity>(&load.kind);
-    const bool is_meant = gravity != nullptr && load.part.kind == Selection::Kind::everything;
-    if (!is_meant || shell.mass_per_area == 0.0) return nullptr;
+    const bool is_meant = load.part.kind == Selection::Kind::everything ||
+                          (load.part.kind == Selection::Kind::volume && load.part.name == shell.name);
+    if (gravity == nullptr || !is_meant || shell.mass_per_area == 0.0) return nullptr;
     const NodeLayout& layout = bodies_.layout;
     if (config_.mass == MassKind::lumped) {
       const std::vector<double> masses = lumped_masses_of_layer(layout, shell.facets, shell.mass_per_area);
@@ -95,8 +96,16 @@ class LoadTerms {
   Term make(const LoadConfig::ForceDensity& force, const LoadConfig& load) const {
     auto inside = selections_.cells(load.part);
     // Bodies without a mesh have no volume.
-    const auto left_out = cells_without_mesh(config_, bodies_.body_of_cell);
-    for (std::size_t c = 0; c < left_out.size(); ++c) inside[c] = static_cast<char>(inside[c] != 0 && left_out[c] == 0);
+    bool any = false;
+    for (std::size_t c = 0; c < inside.size(); ++c) {
+      if (stands_for_body(config_, bodies_.body_of_cell[c])) inside[c] = 0;
+      any = any || inside[c] != 0;
+    }
+    if (!any_rank(bodies_.layout.comm, any)) {
+      selections_.report(load.where,
+                         "'force_density' acts on the volume of tetrahedra, and there are none here: use 'gravity', or "
+                         "'traction' on surfaces and 'line_force' on curves");
+    }
     return dead_load(cell_samples(bodies_.layout, {inside.begin(), inside.end()}, variation_of(force.value)),
                      force.value);
   }

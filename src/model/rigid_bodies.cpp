@@ -70,17 +70,6 @@ int first_rigid_body(const Config& config, const NodeLayout& layout, const std::
   return static_cast<int>(maximum(layout.comm, last)) + 1 - static_cast<int>(config.rigid_bodies.size());
 }
 
-/// Whether cells of a body of the completed input are tetrahedra in its place: those of rods, too.
-bool stands_for_body(const Config& config, int body) {
-  if (body < 0) return false;
-  const auto first = static_cast<int>(config.bodies.size() - config.rigid_bodies.size());
-  if (body < first) {
-    const BodyConfig& of = config.bodies[static_cast<std::size_t>(body)];
-    return of.is_rod || of.is_shell;
-  }
-  return !config.rigid_bodies[static_cast<std::size_t>(body - first)].surface;
-}
-
 bool all_stand_for_bodies(const Config& config) {
   for (std::size_t b = 0; b < config.bodies.size(); ++b) {
     if (!stands_for_body(config, static_cast<int>(b))) return false;
@@ -96,6 +85,16 @@ bool is_made_rigid(const Config& config, const Selection& part) {
 }
 
 }  // namespace
+
+bool stands_for_body(const Config& config, int body) {
+  if (body < 0) return false;
+  const auto first = static_cast<int>(config.bodies.size() - config.rigid_bodies.size());
+  if (body < first) {
+    const BodyConfig& of = config.bodies[static_cast<std::size_t>(body)];
+    return of.is_rod || of.is_shell;
+  }
+  return !config.rigid_bodies[static_cast<std::size_t>(body - first)].surface;
+}
 
 Config with_rigid_bodies(Config config) {
   add_bodies_of_rods(config);

@@ -82,6 +82,22 @@ std::unique_ptr<ShellBending> bending_of(const ShellConfig& config, const NodeLa
   return bending;
 }
 
+/// Reports a plane of symmetry in which the edges do not lie.
+void check_plane(const NodeLayout& layout, const EdgeList& edges, const Vector3<double>& normal, const Selection& part,
+                 Selections& selections) {
+  constexpr double most = 0.1;  // of a curve that is nearly in the plane
+  bool leaves = false;
+  for (std::size_t k = 0; k < edges.nodes.size(); k += static_cast<std::size_t>(edges.nodes_per_edge)) {
+    const Vector3<double> e = layout.position(edges.nodes[k + 1]) - layout.position(edges.nodes[k]);
+    leaves = leaves || std::abs(dot(e, normal)) > most * norm(e);
+  }
+  if (!any_rank(layout.comm, leaves)) return;
+  selections.report(
+      part.where, fmt::format("{} does not lie in a plane with the `normal` ({:g}, {:g}, {:g}): give that of the plane "
+                              "of symmetry that holds the curve",
+                              describe(part), normal[0], normal[1], normal[2]));
+}
+
 }  // namespace
 
 bool has_free_shells(const Config& config) {
@@ -151,7 +167,9 @@ ModelShells find_shells(const Config& config, const NodeLayout& layout, Selectio
     for (const ClampedEdgeConfig& edge : shell.clamped) {
       ClampedEdges& edges = on_mesh.clamped.emplace_back();
       edges.edges = selections.edges(edge.part);
-      if (edge.normal) edges.normal = unit(Vector3<double>(*edge.normal));
+      if (!edge.normal) continue;
+      edges.normal = unit(Vector3<double>(*edge.normal));
+      check_plane(layout, edges.edges, *edges.normal, edge.part, selections);
     }
     on_mesh.mass_per_area = shell.density.value_or(0.0) * shape_of(shell).volume_per_area();
     on_mesh.area = sum(layout.comm, owned_area(layout, on_mesh.facets));

@@ -176,6 +176,17 @@ class Run {
     archive.number("worst_time", worst_.time);
     archive.number("worst_newton_iterations", worst_.newton_iterations);
     archive.number("largest_energy", largest_energy_);
+    std::size_t num_critical = critical_points_.size();
+    archive.number("num_critical_points", num_critical);
+    critical_points_.resize(num_critical);
+    for (std::size_t k = 0; k < num_critical; ++k) {
+      const Archive::Section point(archive, fmt::format("critical_point_{}", k));
+      archive.number("step", critical_points_[k].step);
+      int kind = static_cast<int>(critical_points_[k].point.kind);
+      archive.number("kind", kind);
+      critical_points_[k].point.kind = static_cast<CriticalPoint::Kind>(kind);
+      archive.number("load_factor", critical_points_[k].point.load_factor);
+    }
     energy_watch_->keep(archive);
     mesh_error_watch_.keep(archive);
   }

@@ -134,8 +134,10 @@ StageReport PathSolver::find_tangent(const Point& x, Point& tangent) {
   }
   if (scale_ == 0.0) {
     if (!(size > 0.0)) {
-      return {StageOutcome::fatal,
-              "nothing moves with the load factor: there is neither a load nor a prescribed motion"};
+      return {
+          StageOutcome::fatal,
+          "nothing moves with the load factor at first: there is no load or prescribed motion, or all that it moves "
+          "is prescribed, or held; a path needs a displacement that follows the load from its start"};
     }
     scale_ = (1.0 - load_weight) / size;
   }

@@ -275,6 +275,22 @@ class Convert(ProgramTest):
         history = self.history("cubes.yaml", "probes=[{name: tip, point: [1, 4, 1]}]")
         np.testing.assert_allclose(history["tip_x"] - 1, np.interp(history["time"], [0, 1, 2, 3], [0, 0.1, 0.05, 0.2]), atol=1e-9)
 
+    def test_loads_of_one_step_add_up_and_total_time_goes_on(self):
+        steps = ("*AMPLITUDE, NAME=total, TIME=TOTAL TIME\n0, 0, 4, 4\n*AMPLITUDE, NAME=other\n0, 0, 1, 1\n*STEP\n*STATIC\n0.5, 1.\n"
+                 "*DSLOAD, FOLLOWER=NO\nend1, TRVEC, 2., 1., 0., 0.\nend1, TRVEC, 3., 1., 0., 0.\n*DSLOAD, FOLLOWER=NO, AMPLITUDE=total\nend2, TRVEC, 2., 1., 0., 0.\n"
+                 "*END STEP\n*STEP\n*STATIC\n0.5, 1.\n*DSLOAD, FOLLOWER=NO\nend1, TRVEC, 4., 1., 0., 0.\n*END STEP\n")
+        config, said = self.convert("cubes.inp", abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"] * 2, steps))
+        self.assertNotIn("not complete", said)
+        history = self.history("cubes.yaml")
+        at = [np.flatnonzero(np.abs(history["time"] - t) < 1e-9)[0] for t in (1.0, 2.0)]
+        np.testing.assert_allclose(history["left1_fx"][at], [-5, -4], rtol=1e-9)
+        np.testing.assert_allclose(history["left2_fx"][at], [-2, -4], rtol=1e-9)
+        twice = "*DSLOAD, FOLLOWER=NO\nend1, TRVEC, 2., 1., 0., 0.\n*DSLOAD, FOLLOWER=NO, AMPLITUDE=other\nend1, TRVEC, 3., 1., 0., 0.\n"
+        steps = "*AMPLITUDE, NAME=other\n0, 0, 1, 1\n*STEP\n*STATIC\n0.5, 1.\n" + twice + "*END STEP\n"
+        _, said = self.convert("cubes.inp", abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"], steps))
+        self.assertIn("a second load on the same place, with another amplitude", said)
+        self.assertIn("not complete", said)
+
     def test_quadratic_and_other_elements(self):
         """A curved quadratic brick keeps its volume, to that of its tetrahedra; wedges and pyramids fit; all match at their faces."""
         edges = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))

@@ -224,6 +224,11 @@ constraints:
         self.assertIn("flag: 36 facets, 0.4 m^2", self.pliant("check", "in.yaml").stdout)
         self.pliant("report", "out")
 
+    def test_gravity_by_name(self):
+        self.patch((2, 2), lambda s, t: (s, 0.4 * t, 0.0))
+        text = SHAKEN.split("loads:")[0].replace("0]}]\n", "0], name: hold}]\n") + "loads: [{gravity: [0, 0, -10], volume: flag}]\n"
+        np.testing.assert_allclose(self.end_of(text)["hold_fz"], 0.4 * 0.02 * 1000 * 10, rtol=1e-6)
+
     def test_what_is_refused(self):
         self.patch((4, 2), lambda s, t: (s, 0.4 * t, 0.0))
         text = SHAKEN + "time: {method: bdf2, step: 4 ms, end: 0.2}\n"
@@ -235,6 +240,8 @@ constraints:
             "missing key 'density' of free shell 'flag'": text.replace("density: 1000, ", ""),
             "cannot be refined with the mesh": text.replace("sheet.msh}", "sheet.msh, refine: 1}"),
             "has no direction that 'clamped' could hold": text.replace("bending: true, ", ""),
+            "curve 's0' does not lie in a plane with the `normal` (0, 1, 0)": text.replace("{curve: s0}]", "{curve: s0, normal: [0, 1, 0]}]"),
+            "'force_density' acts on the volume of tetrahedra, and there are none": text.replace("loads: [", "loads: [{force_density: [0, 0, 1]}, "),
             "missing key 'mesh'": text.replace("mesh: {file: sheet.msh}\n", ""),
         }
         for message, wrong in cases.items():

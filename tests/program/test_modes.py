@@ -232,6 +232,12 @@ time: {method: static}
         for options in ((), ("--unloaded",)):
             self.assert_close(self.modes(file, "--number", "1", *options)["frequency"][0], np.sqrt(80 / 2) / (2 * np.pi), 1e-9)
 
+    def test_mechanisms_have_modes_of_zero_frequency(self):
+        """Without any stiffness, rounding errors are all that there is."""
+        for name in ("hinge_chain", "heavy_top"):
+            found = self.modes(ROOT / f"input/verification/{name}.yaml", "--unloaded", "--number", "6", output=name)
+            self.assertEqual([found["frequency"].tolist(), found["growth_rate"].tolist()], [[0.0] * 3] * 2)
+
     def test_a_piston_on_air(self):
         """A rigid block on a gas: (2 pi f)^2 = n p A^2 / (V m), the rank-one part of the stiffness alone."""
         write_box(self.directory / "block.msh", (1, 1, 1), (0.2, 0.1, 0.3))

@@ -145,13 +145,15 @@ class Paths(ProgramTest):
     def test_a_resumed_path_continues_to_the_last_bit(self):
         coarse = FRAME.replace("segments: 20", "segments: 10").replace("segments: 16", "segments: 8").replace("segments: 4", "segments: 2")
         text = coarse + path(5, max_load=2, min_load=-2) + "checkpoint: {every: 4}\n"
-        whole = self.follow(text)[0]
+        whole, passed = self.follow(text)
         self.follow(text, "time.path.max_steps=8", output="part")
         done = self.pliant("resume", "part", "--set", "time.path.max_steps=500")
         self.assertIn("the path ends: the load factor is 2", done.stdout)
         part = read_history(self.directory / "part")
         for name in whole:
             np.testing.assert_array_equal(whole[name], part[name], err_msg=name)
+        self.assertGreater(len(passed), 1)
+        self.assertEqual(json.loads((self.directory / "part/summary.json").read_text())["critical_points"], passed)
         self.assertIn("nothing is left to do", self.pliant("resume", "part").stderr)
         self.pliant("resume", "part", "--set", "time.path.max_load=2.1", "--set", "checkpoint.every=1")
         self.assertEqual(read_history(self.directory / "part")["load_factor"][-1], 2.1)

@@ -10,6 +10,7 @@ from .model import Body, Model
 OUTPUT = {"NODEPRINT", "ELPRINT", "NODEFILE", "ELFILE", "OUTPUT", "NODEOUTPUT", "ELEMENTOUTPUT", "CONTACTFILE", "CONTACTPRINT", "CONTACTOUTPUT",
           "SECTIONPRINT", "FACEPRINT", "ENERGYPRINT", "ENERGYOUTPUT", "ENERGYFILE", "FILEOUTPUT", "PREPRINT", "RESTART", "MONITOR", "PRINT",
           "ELEMENTPRINT", "TIMEPOINTS"}
+CONDITIONS = {"EQUATION", "MPC", "TEMPERATURE", "EXPANSION", "RIGIDBODY", "COUPLING", "KINEMATIC", "DISTRIBUTING", "CONTACTPAIR"}
 CONTROLS = {"CONTROLS", "SOLVERCONTROLS", "HOURGLASSSTIFFNESS", "SECTIONCONTROLS"}
 
 
@@ -32,7 +33,13 @@ def read(file, diagnostics):
             controls.append(card)
         else:
             parameters = "".join(f", {name}{'=' + value if value else ''}" for name, value in card.parameters.items())
-            diagnostics.omit(card.line, f"{card.title}{parameters}")
+            said = f"{card.title}{parameters}"
+            if card.keyword == "TRANSFORM":
+                diagnostics.missing(card.line, f"{said}: conditions on its nodes are along local axes, and stand in the input along x, y, z: correct them there")
+            elif card.keyword in CONDITIONS:
+                diagnostics.missing(card.line, said)
+            else:
+                diagnostics.omit(card.line, said)
     mesh.finish()
     for cards, text in ((output, "requests of output: `output` and `probes` of the input"), (controls, "controls of the solver: `solver` of the input")):
         if cards:

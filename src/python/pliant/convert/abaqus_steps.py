@@ -34,6 +34,7 @@ class AbaqusSteps:
         self.velocities = []
         self.start = self.end = 0.0
         self.in_step = self.is_nonlinear = self.step_is_nonlinear = self.skipped = self.has_amplitudes = False
+        self.given = {}  # in the present step, by table and key: the course before it, and [card, value] of the step
         self.kind, self.num_steps, self.increment, self.procedure_read = None, 0, 0.0, False
         self.handlers = {"AMPLITUDE": self.read_amplitude, "BOUNDARY": self.read_boundary, "CLOAD": self.read_forces, "DLOAD": self.read_loads,
                          "DSLOAD": self.read_loads, "INITIALCONDITIONS": self.read_initial, "TIE": self.read_tie, "STEP": self.begin_step,
@@ -57,6 +58,7 @@ class AbaqusSteps:
         self.in_step, self.procedure_read, self.step_card = True, False, card
         self.step_is_nonlinear = card.has("NLGEOM") and card.upper("NLGEOM") != "NO"
         self.skipped = False
+        self.given = {}
 
     def end_step(self, _):
         if self.in_step and not self.skipped:
@@ -130,7 +132,8 @@ class AbaqusSteps:
             self.has_amplitudes = True
             course, is_total = self.amplitudes[name]
             course = course.shifted(real([card.value("TIMEDELAY")], 0, card.line, self.diagnostics, "TIME DELAY", 0.0))
-            piece = (course if is_total else course.shifted(self.start)).scaled(value).within(self.start, self.end)
+            course = (course if is_total else course.shifted(self.start)).scaled(value)
+            piece = course.within(self.start, max(self.end, course.segments[-1].end) if is_total else self.end)
         else:
             first = before.at(self.start) if before is not None else 0.0
             ramps = self.kind == "static" and self.step_card.upper("AMPLITUDE") != "STEP"
@@ -139,8 +142,16 @@ class AbaqusSteps:
             return (before or Course.constant(0.0)).within(0.0, self.start).followed_by(piece)
         return piece
 
-    def change(self, card, table, key, value):
-        course = self.course_of(card, table.get(key), value)
+    def change(self, card, table, key, value, adds=False):
+        """What the present step gives replaces what was before; loads of one step add up."""
+        before, given = self.given.setdefault((id(table), key), (table.get(key), []))
+        if adds and given and given[0].upper("AMPLITUDE") != card.upper("AMPLITUDE"):
+            self.diagnostics.missing(card.line, f"{card.title}: a second load on the same place, with another amplitude: add it to the first one in the input")
+            return
+        if not adds or not given:
+            given[:] = [card, 0.0]
+        given[1] += value
+        course = self.course_of(card, before, given[1])
         if course is not None:
             table[key] = Course.constant(course.at(0.0)) if course.is_constant else course
 
@@ -166,10 +177,10 @@ class AbaqusSteps:
 
     def read_boundary(self, card):
         if card.upper("TYPE", "DISPLACEMENT") != "DISPLACEMENT":
-            self.diagnostics.omit(card.line, f"{card.title}, TYPE={card.upper('TYPE')}: write the displacement as a formula of t")
+            self.diagnostics.missing(card.line, f"{card.title}, TYPE={card.upper('TYPE')}: write the displacement as a formula of t")
             return
         if card.has("SUBMODEL") or card.has("USER"):
-            self.diagnostics.omit(card.line, f"{card.title} of another model or of a subroutine")
+            self.diagnostics.missing(card.line, f"{card.title} of another model or of a subroutine")
             return
         self.reset(card, self.prescribed)
         for line, entries in card.data:
@@ -193,9 +204,9 @@ class AbaqusSteps:
         for line, entries in card.data:
             component = whole(entries[1] if len(entries) > 1 else "", line, self.diagnostics, "the degree of freedom")
             if not 1 <= component <= 3:
-                self.diagnostics.omit(line, f"{card.title}: a moment, or a flux")
+                self.diagnostics.missing(line, f"{card.title}: a moment, or a flux")
                 continue
-            self.change(card, self.forces, (self.target(entries[0], line), component - 1), real(entries, 2, line, self.diagnostics, "the force"))
+            self.change(card, self.forces, (self.target(entries[0], line), component - 1), real(entries, 2, line, self.diagnostics, "the force"), adds=True)
 
     def read_loads(self, card):
         self.reset(card, self.pressures, self.others)
@@ -206,10 +217,10 @@ class AbaqusSteps:
             value = real(entries, 2, line, self.diagnostics, "the magnitude")
             surface = self.mesh.spelled("surface", on)
             if label == "P" and surface in self.model.surfaces:
-                self.change(card, self.pressures, (surface, "P"), value)
+                self.change(card, self.pressures, (surface, "P"), value, adds=True)
             elif re.fullmatch(r"P[1-6]", label):
                 self.faces[on, label] = self.mesh.sides(self.mesh.elements(on, line), "S" + label[1], line)
-                self.change(card, self.pressures, (on, label), value)
+                self.change(card, self.pressures, (on, label), value, adds=True)
             elif label in ("GRAV", "TRVEC") and (label == "GRAV" or surface in self.model.surfaces):
                 direction = [real(entries, k, line, self.diagnostics, "the direction") for k in (3, 4, 5)]
                 length = math.sqrt(sum(x * x for x in direction))
@@ -217,11 +228,11 @@ class AbaqusSteps:
                     raise self.diagnostics.wrong(line, "the direction has no length")
                 if label == "TRVEC" and card.upper("FOLLOWER", "YES") != "NO":
                     self.diagnostics.note(line, f"{card.title}, TRVEC: the traction keeps its direction, and does not rotate with the surface")
-                self.change(card, self.others, (label, surface if label == "TRVEC" else on, tuple(x / length for x in direction)), value)
+                self.change(card, self.others, (label, surface if label == "TRVEC" else on, tuple(x / length for x in direction)), value, adds=True)
             elif label in ("BX", "BY", "BZ"):
-                self.change(card, self.others, ("B", on, tuple(float(label == b) for b in ("BX", "BY", "BZ"))), value)
+                self.change(card, self.others, ("B", on, tuple(float(label == b) for b in ("BX", "BY", "BZ"))), value, adds=True)
             else:
-                self.diagnostics.omit(line, f"{card.title} of the type {label}")
+                self.diagnostics.missing(line, f"{card.title} of the type {label}")
 
     def read_initial(self, card):
         if card.upper("TYPE") != "VELOCITY":
