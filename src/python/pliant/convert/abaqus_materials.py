@@ -72,7 +72,7 @@ class AbaqusMaterials:
     def read_elastic(self, card):
         kind = card.upper("TYPE", "ISOTROPIC")
         if kind not in ("ISOTROPIC", "ISO", ""):
-            self.diagnostics.missing(card.line, f"{card.title}, TYPE={kind}: there is no such law; laws with fibres are under `pliant materials`")
+            self.diagnostics.missing(card.line, f"{card.title}, TYPE={kind}: Pliant has no law of this kind; `pliant materials` lists those with fibres")
             return
         material = self.current
         young, poisson = self.row(card, 2, "Young's modulus or Poisson's ratio")
@@ -92,7 +92,7 @@ class AbaqusMaterials:
         known = [name for name in names if card.has(name)]
         others = [name for name in card.parameters if name not in (*names, "N", "MODULI", "PROPERTIES", "BETA")]
         if not known and others:
-            self.diagnostics.missing(card.line, f"{card.title}, {others[0]}: there is no such law; the nearest are under `pliant materials`")
+            self.diagnostics.missing(card.line, f"{card.title}, {others[0]}: Pliant has no law of this kind; `pliant materials` lists its laws")
             return
         names[known[0] if known else "POLYNOMIAL"](card, whole(card.value("N") or "1", card.line, self.diagnostics, "N"))
 

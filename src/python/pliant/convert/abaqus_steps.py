@@ -70,7 +70,7 @@ class AbaqusSteps:
         self.diagnostics.omit(card.line, f"the step with {card.title}, and its conditions: {reason}")
 
     def read_other_analysis(self, card):
-        reason = "natural frequencies: run `pliant modes` on the input" if card.keyword == "FREQUENCY" else "there is no such analysis"
+        reason = "natural frequencies: run `pliant modes` on the input" if card.keyword == "FREQUENCY" else "Pliant has no analysis of this kind"
         self.skip(card, reason)
 
     def read_procedure(self, card):
@@ -261,7 +261,7 @@ class AbaqusSteps:
         """Writes constraints, loads and time into the model."""
         self.model.end = self.end
         if self.kind is None:
-            self.diagnostics.note(None, "there is no static or dynamic step: the input is static")
+            self.diagnostics.note(None, "no step is static or dynamic: the input is static")
         relaxes = any(body.viscosity for body in self.model.bodies)
         self.is_one_state = self.kind != "dynamic" and not (nonlinear or relaxes) and self.num_steps <= 1 and not self.has_amplitudes
         if self.is_one_state:
