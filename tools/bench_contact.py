@@ -18,7 +18,7 @@ import meshio
 import numpy as np
 
 import package  # noqa: F401  finds the package pliant
-from pliant.pictures.command_line import Parser, report
+from pliant.command_line import Parser, report
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 PLIANT = os.environ.get("PLIANT", os.path.join(ROOT, "build", "bin", "pliant"))

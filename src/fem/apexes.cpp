@@ -1,14 +1,10 @@
 #include "fem/apexes.hpp"
 
+#include "fem/element.hpp"
+
 #include <algorithm>
 
 namespace pliant {
-namespace {
-
-/// The corners of the edges of a cell, in VTK's order of the nodes in their middles.
-constexpr std::array<std::array<std::size_t, 2>, 6> edges_of_cell{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
-
-}  // namespace
 
 std::size_t apex_of_cell(const NodeLayout& layout, PetscInt cell) {
   const auto corners = layout.nodes_of_cell(cell).first(4);
@@ -20,8 +16,9 @@ std::vector<PetscInt> inert_nodes_of_cell(const NodeLayout& layout, PetscInt cel
   const auto nodes = layout.nodes_of_cell(cell);
   const std::size_t apex = apex_of_cell(layout, cell);
   std::vector<PetscInt> result{nodes[apex]};
-  for (std::size_t e = 0; nodes.size() > 4 && e < edges_of_cell.size(); ++e) {
-    if (edges_of_cell[e][0] == apex || edges_of_cell[e][1] == apex) result.push_back(nodes[4 + e]);
+  for (std::size_t e = 0; nodes.size() > 4 && e < tet_edges.size(); ++e) {
+    const auto [from, to] = tet_edges[e];
+    if (static_cast<std::size_t>(from) == apex || static_cast<std::size_t>(to) == apex) result.push_back(nodes[4 + e]);
   }
   return result;
 }
@@ -37,8 +34,8 @@ std::vector<InertNode> inert_nodes(const NodeLayout& layout, std::span<const cha
       if (i != apex) of_apex.corners[k++] = nodes[i];
     }
     result.push_back(of_apex);
-    for (std::size_t e = 0; nodes.size() > 4 && e < edges_of_cell.size(); ++e) {
-      const auto [a, b] = edges_of_cell[e];
+    for (std::size_t e = 0; nodes.size() > 4 && e < tet_edges.size(); ++e) {
+      const auto a = static_cast<std::size_t>(tet_edges[e][0]), b = static_cast<std::size_t>(tet_edges[e][1]);
       if (a != apex && b != apex) continue;
       InertNode middle = of_apex;
       middle.node = nodes[4 + e];

@@ -42,8 +42,8 @@ bool damps_by_mass(const ViscosityConfig& mechanism) {
 /// Rigid bodies without a mesh, and rods, need neither a mesh nor other bodies; free shells need no other bodies.
 void check_parts(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const bool has_mesh = root.find("mesh") != nullptr || root.find("bodies") != nullptr;
-  if (!(config.rigid_bodies.empty() && config.rods.empty()) && !has_mesh) return;
   const bool has_free_shells = std::ranges::any_of(config.shells, &ShellConfig::is_free);
+  if (!(config.rigid_bodies.empty() && config.rods.empty()) && !has_mesh && !has_free_shells) return;
   for (const char* key : {"mesh", "bodies"}) {
     if (has_free_shells && key == std::string_view("bodies")) continue;
     if (given(root, {key}) != nullptr) continue;

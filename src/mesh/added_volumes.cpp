@@ -37,7 +37,8 @@ void add_volume_group(const std::string& name, std::vector<PetscInt> cells, Seri
     if (group.group.dimension != 3) continue;
     tag = std::max(tag, group.group.tag);
     if (group.group.name != name) continue;
-    throw MeshDefect("it has a volume '" + name + "', which is also the name of a rigid body: rename one");
+    throw MeshDefect("it has a volume '" + name +
+                     "', which is also the name of a rigid body, a rod or a free shell: rename one");
   }
   mesh.groups.push_back({{3, tag + 1, name}, std::move(cells)});
 }

@@ -96,12 +96,14 @@ class LoadTerms {
   Term make(const LoadConfig::ForceDensity& force, const LoadConfig& load) const {
     auto inside = selections_.cells(load.part);
     // Bodies without a mesh have no volume.
-    bool any = false;
+    bool has_cells = false, has_volume = false;
     for (std::size_t c = 0; c < inside.size(); ++c) {
+      has_cells = has_cells || inside[c] != 0;
       if (stands_for_body(config_, bodies_.body_of_cell[c])) inside[c] = 0;
-      any = any || inside[c] != 0;
+      has_volume = has_volume || inside[c] != 0;
     }
-    if (!any_rank(bodies_.layout.comm, any)) {
+    const bool is_found = any_rank(bodies_.layout.comm, has_cells);  // or that is an error already
+    if (!any_rank(bodies_.layout.comm, has_volume) && is_found) {
       selections_.report(load.where,
                          "'force_density' acts on the volume of tetrahedra, and there are none here: use 'gravity', or "
                          "'traction' on surfaces and 'line_force' on curves");

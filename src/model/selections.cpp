@@ -80,7 +80,7 @@ Selections::Selections(const Mesh& mesh, const NodeLayout& layout, AddedBodies a
     if (group < 0) continue;
     const std::string& name = groups[static_cast<std::size_t>(group)].name;
     if (std::ranges::find(added_.shells, name) != added_.shells.end()) {
-      mark_inert(c);
+      for (const PetscInt n : inert_nodes_of_cell(layout, c)) added_node_[static_cast<std::size_t>(n)] = Added::inert;
       continue;
     }
     const bool stands = std::ranges::find(added_.without_surface, name) != added_.without_surface.end();
@@ -93,11 +93,6 @@ Selections::Selections(const Mesh& mesh, const NodeLayout& layout, AddedBodies a
     if (of_cells[static_cast<std::size_t>(c)] >= 0) continue;
     for (const PetscInt n : layout.nodes_of_cell(c)) added_node_[static_cast<std::size_t>(n)] = Added::none;
   }
-}
-
-// The apex of a cell of a free shell has the highest number of its corners (mesh/added_shells.hpp).
-void Selections::mark_inert(PetscInt cell) {
-  for (const PetscInt n : inert_nodes_of_cell(layout_, cell)) added_node_[static_cast<std::size_t>(n)] = Added::inert;
 }
 
 std::vector<PetscInt> Selections::inert_nodes() const {

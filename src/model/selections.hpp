@@ -60,7 +60,6 @@ class Selections {
   bool is_added(const PhysicalGroup& group) const;
   /// A node that is inert belongs to no triangle of a free shell.
   enum class Added : char { none, with_surface, without_surface, inert };
-  void mark_inert(PetscInt cell);
   /// The list without what belongs to added volumes of these kinds.
   FacetList without(const FacetList& facets, std::initializer_list<Added> kinds) const;
 

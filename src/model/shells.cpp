@@ -74,10 +74,10 @@ std::unique_ptr<ShellBending> bending_of(const ShellConfig& config, const NodeLa
     return BendingStiffness{E * h * h * h / (12.0 * (1.0 - nu * nu)), nu};
   };
   auto bending = std::make_unique<ShellBending>(layout, shell.facets, stiffness, shell.clamped);
-  if (bending->num_unclamped() > 0) {
-    throw InputError(config.clamped.front().where,
-                     fmt::format("{} edges of the curves of 'clamped' do not bound shell '{}': name curves at its edge",
-                                 bending->num_unclamped(), config.name));
+  for (const auto& [k, number] : bending->num_unclamped()) {
+    const ClampedEdgeConfig& edge = config.clamped[static_cast<std::size_t>(k)];
+    throw InputError(edge.where, fmt::format("{} edges of {} do not bound shell '{}': name curves at its edge", number,
+                                             describe(edge.part), config.name));
   }
   return bending;
 }

@@ -19,9 +19,9 @@ constexpr int many_rounds = 20;
 constexpr double little_nearer = 0.3;
 /// Fraction of the distance to a wall up to which solutions are extrapolated; at the wall their pressure is infinite.
 constexpr double part_to_wall = 0.5;
-/// Most of Newton's steps between two rounds, and the fraction of the residual's merit that each must at least remove.
+/// Most of Newton's steps between two rounds, and the fraction of the residual's merit that each may at most leave.
 constexpr int max_steps = 8;
-constexpr double least_progress = 0.7;
+constexpr double most_left = 0.7;
 constexpr int max_halvings = 3;
 /// Relative residual of the linear systems.
 constexpr double linear_tolerance = 1e-3;
@@ -78,7 +78,7 @@ bool CoefficientSearch::step_to_solution(Vec q, StageReport& report) {
     const auto before = step(q, report);
     if (!before) return false;
     if (is_settled(q)) return true;
-    if (merit_.of_residual(r_.get()) > least_progress * *before) return false;
+    if (merit_.of_residual(r_.get()) > most_left * *before) return false;
   }
   return false;
 }

@@ -55,7 +55,10 @@ class Objective {
   /// Discards the scale of the merit function, which no longer fits the problem: the next Hessian sets it.
   void forget_scale_of_merit() { merit_has_scale_ = false; }
   /// Discards it for guesses as well, which are compared before there is a Hessian. Collective.
-  void forget() { merit_.forget_scale(); }
+  void forget() {
+    merit_.forget_scale();
+    merit_has_scale_ = false;
+  }
   /// Takes the scale from K unless there is one, or no merit is needed.
   void scale_merit(Mat K);
 

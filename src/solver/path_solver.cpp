@@ -134,10 +134,9 @@ StageReport PathSolver::find_tangent(const Point& x, Point& tangent) {
   }
   if (scale_ == 0.0) {
     if (!(size > 0.0)) {
-      return {
-          StageOutcome::fatal,
-          "nothing moves with the load factor at first: there is no load or prescribed motion, or all that it moves "
-          "is prescribed, or held; a path needs a displacement that follows the load from its start"};
+      return {StageOutcome::fatal,
+              "the load factor moves nothing that is free at the start of the path: give a load or a prescribed motion "
+              "that does"};
     }
     scale_ = (1.0 - load_weight) / size;
   }
@@ -322,7 +321,7 @@ StageReport PathSolver::finish(StageReport report) {
     return fail();
   }
   found_.load_factor = trial_.load;
-  found_.length = advanced();
+  found_.length = advanced();  // sets d_
   found_.unstable_modes = unstable_modes_;
   const double change = trial_.load - point_.load;
   const double chord = std::sqrt(scale_ * inner(d_.get(), d_.get()) + load_weight * change * change);
@@ -359,6 +358,7 @@ std::optional<FailedStage> PathSolver::examine() {
 void PathSolver::forget() {
   loop_.forget();
   has_tangent_ = false;
+  load_unit_ = 1.0;  // as where a run is resumed
 }
 
 }  // namespace pliant

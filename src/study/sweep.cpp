@@ -255,9 +255,10 @@ class Sweep {
     if (has_looked_for_columns_ || options_.results.empty()) return;
     const std::vector<LabelledHistory> first{{run.filename().string(), read_history(run / "history.csv")}};
     const auto all = columns_of(first);
-    has_looked_for_columns_ = !all.empty();
+    if (all.empty()) return;
+    has_looked_for_columns_ = true;
     for (const RunNumber& result : options_.results) {
-      if (all.empty() || std::ranges::find(all, result.column) != all.end()) continue;
+      if (std::ranges::find(all, result.column) != all.end()) continue;
       console_.warn(fmt::format("the history of {} has no column '{}' for --result {}{}", first.front().label,
                                 result.column, result.name, did_you_mean(result.column, all)));
     }

@@ -99,30 +99,33 @@ constraints:
   - {{where: "x > -1", displacement: [free, free, 0]}}
 probes: [{{name: p, point: [0.4, 1, 0]}}]
 """
-        for element in swept(("P1", "P2"), ("P1", "P2")):
+        for element in ("P1", "P2"):
             found = self.end_of(f"element: {element}\n{text}")
             strain = (stretch**2 - 1) / 2
             across = np.sqrt(1 - 2 * nu * strain)
-            np.testing.assert_allclose(found["right_fx"], E * strain * stretch * h, rtol=1e-6, err_msg=element)
-            np.testing.assert_allclose(found["p_y"], across, rtol=1e-7, err_msg=element)
+            np.testing.assert_allclose(found["right_fx"], E * strain * stretch * h, rtol=1e-9, err_msg=element)
+            np.testing.assert_allclose(found["p_y"], across, rtol=1e-9, err_msg=element)
 
     def test_benchmarks(self):
-        # Published displacements; coarse meshes, which docs/shells.md refines.
+        # Published displacements, on coarse meshes; the ratios to them are those of docs/shells.md, as printed.
         self.patch(16, roof)
         found = self.end_of(ROOF)
-        np.testing.assert_allclose(25 * np.cos(np.radians(40)) - found["p_y"], 0.3024e-3, rtol=0.06)
+        np.testing.assert_allclose(25 * np.cos(np.radians(40)) - found["p_y"], 0.953 * 0.3024e-3, rtol=1e-3)
         self.patch(16, cylinder)
-        np.testing.assert_allclose(300 - self.end_of(CYLINDER)["p_y"], 1.82488e-5, rtol=0.2)
-        self.patch(12, hemisphere)
+        np.testing.assert_allclose(300 - self.end_of(CYLINDER)["p_y"], 1.121 * 1.82488e-5, rtol=1e-3)
+        self.patch(16, hemisphere)
         found = self.end_of(HEMISPHERE)
-        np.testing.assert_allclose([found["p_x"] - 10, found["q_y"] - 10], [0.1849363, -0.1890221], rtol=0.1)
+        np.testing.assert_allclose([found["p_x"] - 10, found["q_y"] - 10], [1.000 * 0.1849363, -0.998 * 0.1890221], rtol=1e-3)
 
     def test_a_plate_on_any_mesh(self):
-        # Uniform load (Timoshenko & Woinowsky-Krieger): 0.00406235 q a^4/D on supports, 0.00126532 q a^4/D clamped.
+        # Uniform load (Timoshenko & Woinowsky-Krieger): 0.00406235 q a^4/D on supports, 0.00126532 q a^4/D clamped. The ratios to
+        # these are those of docs/shells.md, as printed.
         E, nu, h, q = 1e9, 0.3, 0.01, 1e-2
         D = E * h**3 / (12 * (1 - nu**2))
-        for held, expected in (("", 0.00406235), (", clamped: [{curve: s0}, {curve: s1}, {curve: t0}, {curve: t1}]", 0.00126532)):
-            for alternate, jitter in swept(((False, 0.0), (True, 0.0), (True, 0.25)), ((True, 0.25),)):
+        clamped = ", clamped: [{curve: s0}, {curve: s1}, {curve: t0}, {curve: t1}]"
+        for held, expected, ratios in (("", 0.00406235, (1.0054, 1.0073, 1.0027)), (clamped, 0.00126532, (1.0470, 1.0483, 1.0419))):
+            cases = tuple(zip((False, True, True), (0.0, 0.0, 0.25), ratios))
+            for alternate, jitter, ratio in swept(cases, cases[-1:]):
                 self.patch(16, flat, alternate=alternate, jitter=jitter)
                 text = f"""mesh: {{file: sheet.msh}}
 shells: [{{name: plate, surface: sheet, free: true, thickness: {h}, bending: true, {LAW % (E, nu)}{held}}}]
@@ -130,7 +133,7 @@ constraints: [{', '.join(f'{{curve: {c}, displacement: [0, 0, 0]}}' for c in ('s
 loads: [{{surface: sheet, traction: [0, 0, {q}]}}]
 probes: [{{name: p, point: [0.5, 0.5, 0]}}]
 """
-                np.testing.assert_allclose(self.end_of(text)["p_z"], expected * q / D, rtol=0.06, err_msg=f"{held} {alternate} {jitter}")
+                np.testing.assert_allclose(self.end_of(text)["p_z"], ratio * expected * q / D, rtol=1e-4, err_msg=f"{held} {alternate} {jitter}")
 
     def test_a_plate_vibrates(self):
         # On four supports: (pi/2) (1 + 1) sqrt(D / (rho h)) / a^2.
@@ -145,7 +148,7 @@ time: {{method: bdf2, step: 1 ms, end: 1}}
         with open(self.directory / "modes/modes.csv", encoding="ascii", newline="") as stream:
             found = [float(row["frequency"]) for row in csv.DictReader(stream)]
         unit = np.pi / 2 * np.sqrt(E * h**3 / (12 * (1 - nu**2)) / (density * h))
-        np.testing.assert_allclose(found, unit * np.array([2, 5, 5, 8]), rtol=0.06)
+        np.testing.assert_allclose(found, unit * np.array([2, 5, 5, 8]), rtol=0.008)  # of the mesh
 
     def test_a_balloon(self):
         # A spherical membrane: p = 2 h mu/R (1/l - 1/l^7).
@@ -163,7 +166,7 @@ loads: [{{surface: sheet, pressure: {pressure}}}]
 probes: [{{name: pole, point: [{R}, 0, 0]}}]
 """
         for ranks in swept((1, 2, 3), (1, 3)):
-            np.testing.assert_allclose(self.end_of(text, ranks)["pole_x"] / R, stretch, rtol=0.03)
+            np.testing.assert_allclose(self.end_of(text, ranks)["pole_x"] / R, stretch, rtol=0.012)  # of the mesh
 
     def test_orders(self):
         self.patch((4, 2), lambda s, t: (s, 0.4 * t, 0.0))
@@ -242,6 +245,10 @@ constraints:
             "has no direction that 'clamped' could hold": text.replace("bending: true, ", ""),
             "curve 's0' does not lie in a plane with the `normal` (0, 1, 0)": text.replace("{curve: s0}]", "{curve: s0, normal: [0, 1, 0]}]"),
             "'force_density' acts on the volume of tetrahedra, and there are none": text.replace("loads: [", "loads: [{force_density: [0, 0, 1]}, "),
+            "missing key 'density' of free shell 'flag', which gravity needs": text.replace("density: 1000, ", "").replace(
+                "time: {method: bdf2, step: 4 ms, end: 0.2}", "time: {method: static}"),
+            "has the name of a body or a rod": text + "rods: [{name: flag, points: [[0, 0, 1], [1, 0, 1]], radius: 1 mm, youngs_modulus: 1, "
+            "poissons_ratio: 0, density: 1, start: ground}]\n",
             "missing key 'mesh'": text.replace("mesh: {file: sheet.msh}\n", ""),
         }
         for message, wrong in cases.items():

@@ -86,10 +86,10 @@ class Paths(ProgramTest):
 
     def test_a_truss_snaps_through(self):
         h, points = self.follow(TRUSS + PUSHED + path(20, max_load=5))
-        np.testing.assert_allclose(h["load_factor"], truss_force(h["apex_z"]), atol=1e-6)
+        np.testing.assert_allclose(h["load_factor"], truss_force(h["apex_z"]), atol=5e-8)
         limit = truss_force(np.linspace(0, RISE, 100001)).max()
         self.assertEqual([p["kind"] for p in points], ["maximum", "minimum"])
-        np.testing.assert_allclose([p["load_factor"] for p in points], [limit, -limit], rtol=1e-3)
+        np.testing.assert_allclose([p["load_factor"] for p in points], [limit, -limit], rtol=1e-4)  # cubic between two steps
         # The tangent stiffness is negative between the limits.
         slope = truss_force(h["apex_z"] + 1e-6) - truss_force(h["apex_z"] - 1e-6)
         np.testing.assert_array_equal(h["unstable_modes"][1:], (slope > 0)[1:])
@@ -113,7 +113,8 @@ class Paths(ProgramTest):
     def test_lees_frame(self):
         h, points = self.follow(FRAME + path(10, max_load=2, min_load=-2))
         self.assertEqual([p["kind"] for p in points], ["maximum", "minimum"])
-        np.testing.assert_allclose([p["load_factor"] for p in points], [FRAME_MAXIMUM, FRAME_MINIMUM], rtol=0.025)
+        for point, exact, of_the_segments in zip(points, (FRAME_MAXIMUM, FRAME_MINIMUM), (0.006, 0.026)):
+            self.assertLess(abs(point["load_factor"] / exact - 1), of_the_segments)
         self.assertEqual(h["unstable_modes"].max(initial=0, where=np.isfinite(h["unstable_modes"])), 1)
         self.assertLess(len(h["step"]), 90)
         if not LONG:
@@ -132,10 +133,10 @@ class Paths(ProgramTest):
         text = BALL + path(5, max_load=5, stop=[{"column": "inside_ux", "above": 8e-3}])
         h, points = self.follow(text)
         radius = np.cbrt(6 / np.pi * h["hollow_volume"])
-        np.testing.assert_allclose(h["hollow_pressure"][1:], ball_pressure(radius[1:]), rtol=2e-3)
+        np.testing.assert_allclose(h["hollow_pressure"][1:], ball_pressure(radius[1:]), rtol=1.2e-3)  # 210 tetrahedra
         limit = ball_pressure(INNER * np.linspace(1, 3, 100001)).max() / 1e5
         self.assertEqual([p["kind"] for p in points], ["maximum"])
-        self.assertAlmostEqual(points[0]["load_factor"] / limit, 1, delta=1e-3)
+        self.assertAlmostEqual(points[0]["load_factor"] / limit, 1, delta=3e-4)
         self.assertLess(h["load_factor"][-1], 0.9 * limit)
         self.assertGreater(h["inside_ux"][-1], 8e-3)
         self.assertEqual(list(np.unique(h["unstable_modes"][1:])), [0, 1])
@@ -144,6 +145,10 @@ class Paths(ProgramTest):
 
     def test_a_resumed_path_continues_to_the_last_bit(self):
         coarse = FRAME.replace("segments: 20", "segments: 10").replace("segments: 16", "segments: 8").replace("segments: 4", "segments: 2")
+        whole = self.follow(TRUSS + PUSHED + path(20, max_load=5) + "checkpoint: {every: 3}\n", output="truss")[0]
+        self.follow(TRUSS + PUSHED + path(20, max_load=5) + "checkpoint: {every: 3}\n", "time.path.max_steps=3", output="truss_part")
+        self.pliant("resume", "truss_part", "--set", "time.path.max_steps=500")
+        np.testing.assert_array_equal(whole["apex_z"], read_history(self.directory / "truss_part")["apex_z"])
         text = coarse + path(5, max_load=2, min_load=-2) + "checkpoint: {every: 4}\n"
         whole, passed = self.follow(text)
         self.follow(text, "time.path.max_steps=8", output="part")
@@ -237,7 +242,7 @@ probes: [{name: tip, point: [1, 1, 1]}]
         done = self.pliant("sensitivity", "in.yaml", "--of", "apex_z", "--to", "springs.0.stiffness", status=2)
         self.assertIn("derivatives along a path", done.stderr)
         unloaded = self.pliant("run", self.write("in.yaml", TRUSS + path(20, max_load=2)), status=3)
-        self.assertIn("nothing moves with the load factor", unloaded.stderr)
+        self.assertIn("the load factor moves nothing that is free", unloaded.stderr)
 
 
 if __name__ == "__main__":

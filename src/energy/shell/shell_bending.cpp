@@ -35,7 +35,8 @@ TriangleNodes sorted(TriangleNodes nodes) {
 /// Those of all ranks, in halves where they have a node in the middle.
 std::vector<ClampedEdge> clamped_edges(const NodeLayout& layout, std::span<const ClampedEdges> clamped) {
   std::vector<ClampedEdge> here;
-  for (const ClampedEdges& of : clamped) {
+  for (std::size_t k = 0; k < clamped.size(); ++k) {
+    const ClampedEdges& of = clamped[k];
     const auto width = static_cast<std::size_t>(of.edges.nodes_per_edge);
     for (std::size_t e = 0; e < of.edges.is_owned.size(); ++e) {
       if (of.edges.is_owned[e] == 0) continue;
@@ -43,7 +44,8 @@ std::vector<ClampedEdge> clamped_edges(const NodeLayout& layout, std::span<const
         const std::int64_t one = layout.global_node(a), other = layout.global_node(b);
         here.push_back({{std::min(one, other), std::max(one, other)},
                         of.normal.value_or(Vector3<double>{}),
-                        of.normal ? char{1} : char{0}});
+                        of.normal ? char{1} : char{0},
+                        static_cast<std::int32_t>(k)});
       };
       const PetscInt* nodes = &of.edges.nodes[width * e];
       if (width == 2) {

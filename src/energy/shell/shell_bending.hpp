@@ -55,8 +55,8 @@ class ShellBending final : public EnergyTerm, public PairCoupling {
                    Projection projection) const override;
   double energy_at(const Instant& at, std::span<const double> q, std::span<const double> z) const override;
 
-  /// How many edges of `clamped` do not bound the layer, on all ranks.
-  std::int64_t num_unclamped() const { return topology_.num_unclamped(); }
+  /// How many edges of each of `clamped` do not bound the layer, on all ranks; none where all do.
+  const std::map<std::int32_t, std::int64_t>& num_unclamped() const { return topology_.num_unclamped(); }
 
  private:
   void list_patches(const NodeLayout& layout, const FacetList& facets);

@@ -10,7 +10,7 @@ ShellTopology::ShellTopology(std::vector<Triangle> triangles, std::span<const Cl
   std::map<std::pair<std::int64_t, std::int64_t>, const ClampedEdge*> is_clamped;
   for (const ClampedEdge& edge : clamped) is_clamped.emplace(std::pair(edge.nodes[0], edge.nodes[1]), &edge);
   edge_at_.assign(triangles_.size(), {-1, -1, -1});
-  num_unclamped_ = static_cast<std::int64_t>(is_clamped.size());
+  for (const auto& [ends, edge] : is_clamped) ++num_unclamped_[edge->source];
   for (const auto& [ends, sides] : sides_of_edges()) {
     if (sides.size() > 2) continue;
     Edge edge{{sides.front(), {}}, true, {}};
@@ -22,7 +22,8 @@ ShellTopology::ShellTopology(std::vector<Triangle> triangles, std::span<const Cl
       const auto found = is_clamped.find(ends);
       if (found == is_clamped.end()) continue;
       edge.clamped = *found->second;
-      --num_unclamped_;
+      const auto left = num_unclamped_.find(found->second->source);
+      if (--left->second == 0) num_unclamped_.erase(left);
     }
     for (const Side& side : sides) {
       edge_at_[static_cast<std::size_t>(side.triangle)][side.k] = static_cast<std::int64_t>(edges_.size());

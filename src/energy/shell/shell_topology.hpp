@@ -19,6 +19,7 @@ struct ClampedEdge {
   std::array<std::int64_t, 2> nodes{};
   std::array<double, 3> normal{};
   char has_normal = 0;
+  std::int32_t source = 0;  ///< which of the user's curves it is from
 };
 
 /// Built the same on every rank.
@@ -50,8 +51,8 @@ class ShellTopology {
   Side across(std::size_t triangle, std::size_t k) const;
   /// Itself, its neighbours and theirs, ascending.
   std::vector<std::int64_t> patch(std::size_t triangle) const;
-  /// Clamped edges that do not bound the layer.
-  std::int64_t num_unclamped() const { return num_unclamped_; }
+  /// Clamped edges that do not bound the layer, by their sources; none where all do.
+  const std::map<std::int32_t, std::int64_t>& num_unclamped() const { return num_unclamped_; }
 
  private:
   using SidesOfEdges = std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Side>>;
@@ -61,7 +62,7 @@ class ShellTopology {
   std::vector<Triangle> triangles_;
   std::vector<Edge> edges_;
   std::vector<std::array<std::int64_t, 3>> edge_at_;
-  std::int64_t num_unclamped_ = 0;
+  std::map<std::int32_t, std::int64_t> num_unclamped_;
 };
 
 }  // namespace pliant

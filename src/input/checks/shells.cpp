@@ -65,19 +65,29 @@ void check_free(const Config& config, const ShellConfig& shell, Diagnostics& dia
     diagnostics.add(shell.part.where,
                     fmt::format("free shell '{}' needs 'surface', a physical surface of the mesh", shell.name));
   }
-  if (!shell.density && analysis_of(config) == Analysis::dynamic) {
+  const auto pulls = [&](const LoadConfig& load) {
+    const bool is_meant = load.part.kind == Selection::Kind::everything ||
+                          (load.part.kind == Selection::Kind::volume && load.part.name == shell.name);
+    return is_meant && std::holds_alternative<LoadConfig::Gravity>(load.kind);
+  };
+  const bool is_dynamic = analysis_of(config) == Analysis::dynamic;
+  if (!shell.density && (is_dynamic || std::ranges::any_of(config.loads, pulls))) {
     diagnostics.add({shell.where, {"density"}}, shell.where,
-                    fmt::format("missing key 'density' of free shell '{}', which dynamics needs", shell.name));
+                    fmt::format("missing key 'density' of free shell '{}', which {} needs", shell.name,
+                                is_dynamic ? "dynamics" : "gravity"));
   }
   if (config.mesh.refine > 0) {
     diagnostics.add(shell.where, fmt::format("free shell '{}' cannot be refined with the mesh: remove 'refine', and "
                                              "mesh it finer in gmsh",
                                              shell.name));
   }
-  const auto has_name = [&](const BodyConfig& body) { return body.part.name == shell.name; };
-  if (std::ranges::any_of(config.bodies, has_name)) {
+  const bool is_taken =
+      std::ranges::any_of(config.bodies, [&](const BodyConfig& body) { return body.part.name == shell.name; }) ||
+      std::ranges::any_of(config.rigid_bodies, [&](const auto& body) { return body.name == shell.name; }) ||
+      std::ranges::any_of(config.rods, [&](const auto& rod) { return rod.name == shell.name; });
+  if (is_taken) {
     diagnostics.add(shell.where,
-                    fmt::format("free shell '{}' has the name of a body: choose another name", shell.name));
+                    fmt::format("free shell '{}' has the name of a body or a rod: choose another name", shell.name));
   }
 }
 
@@ -93,7 +103,7 @@ void check_shells(const Config& config, Diagnostics& diagnostics) {
     check_prestretch(shell, diagnostics);
     check_clamped(shell, diagnostics);
     if (shell.is_free) check_free(config, shell, diagnostics);
-    if (config.mesh.file.value.empty()) {
+    if (config.mesh.file.value.empty() && !shell.is_free) {
       diagnostics.add(shell.where, fmt::format("shell '{}' lies on a surface of the mesh, which this input lacks: add "
                                                "'mesh' and 'bodies'",
                                                shell.name));

@@ -26,7 +26,7 @@ def read(file, diagnostics):
         if card.keyword == "HEADING":
             model.title = next((" ".join(" ".join(entries).split()) for _, entries in card.data if any(entries)), model.title)
         elif card.keyword == "SOLIDSECTION":
-            sections.append(card)
+            sections.append((mesh.spelled("element", card.value("ELSET")), card))
         elif card.keyword in OUTPUT:
             output.append(card)
         elif card.keyword in CONTROLS:
@@ -46,14 +46,14 @@ def read(file, diagnostics):
             diagnostics.omit(cards[0].line, f"{', '.join(dict.fromkeys(card.title for card in cards))}: {text}")
     nonlinear = steps.is_nonlinear or any(m.elasticity and not m.is_linear for m in materials.by_name.values())
     finished = set()
-    for card in sections:
-        add_body(model, card, mesh, materials, nonlinear, finished, diagnostics)
+    for name, card in sections:
+        name = name if name in model.element_sets else mesh.spelled("element", name)  # a set that is defined after its section
+        add_body(model, name, card, materials, nonlinear, finished, diagnostics)
     steps.finish(nonlinear)
     return model
 
 
-def add_body(model, card, mesh, materials, nonlinear, finished, diagnostics):
-    name = mesh.spelled("element", card.value("ELSET"))
+def add_body(model, name, card, materials, nonlinear, finished, diagnostics):
     material = materials.by_name.get(card.upper("MATERIAL"))
     if name not in model.element_sets:
         raise diagnostics.wrong(card.line, f"the set of elements '{name}' is not defined")

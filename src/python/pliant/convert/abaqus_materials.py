@@ -76,6 +76,9 @@ class AbaqusMaterials:
             return
         material = self.current
         young, poisson = self.row(card, 2, "Young's modulus or Poisson's ratio")
+        if not (-1 < poisson < 0.5 and young > 0):
+            raise self.diagnostics.wrong(card.line, f"{card.title}: Young's modulus must be above 0 and Poisson's ratio between -1 and 0.5, not {young:g} and "
+                                         f"{poisson:g}; for an incompressible body give *HYPERELASTIC, NEO HOOKE with D1 = 0")
         material.is_linear = True
         material.instantaneous = card.upper("MODULI") == "INSTANTANEOUS"
         material.shear, lam = lame(young, poisson)
@@ -161,6 +164,8 @@ class AbaqusMaterials:
 
     def arruda_boyce(self, card, _):
         mu, locking, d = self.row(card, 3, "mu, lambda_m or D")
+        if locking <= 1:
+            raise self.diagnostics.wrong(card.line, f"{card.title}, ARRUDA-BOYCE: lambda_m must be above 1, not {locking:g}")
         shear = mu * (1 + sum(a / locking ** (2 * k) for k, a in enumerate(ARRUDA_BOYCE, 1)))
         self.set_law(card, "arruda-boyce", {"shear_modulus": Quantity(shear, STRESS), "locking_stretch": locking}, shear, [d], "mixed")
 

@@ -51,17 +51,32 @@ class AbaqusMesh:
                                   + ", ".join(f"{count} {name}" for name, count in self.left_out.items()))
 
     def spelled(self, kind, name):
-        """The name of a set without its instance, as it was spelled first: names are compared without regard to case."""
-        name = name.rpartition(".")[2] if self.instances else name
-        return self.names.setdefault((kind, name.upper()), name)
+        """The name of the set that a reference means, as it was spelled first: names are compared without regard to case. A set of the
+        assembly and one of the part are different sets, also if they have the same name."""
+        own, of_part = self.parted(name)
+        here, other = (kind, of_part, own.upper()), (kind, not of_part, own.upper())
+        return self.names.get(here) or self.names.get(other) or own
+
+    def define(self, kind, name):
+        """The same for a set that is defined here."""
+        own, of_part = self.parted(name)
+        key, other = (kind, of_part, own.upper()), (kind, not of_part, own.upper())
+        return self.names.setdefault(key, own + ("_part" if of_part else "_assembly") if other in self.names else own)
+
+    def parted(self, name):
+        """A name without its instance, and whether it is one of the part."""
+        instance, _, own = name.rpartition(".") if self.instances else ("", "", name)
+        return own, bool(instance) or self.level == "part"
 
     # ------------------------------------------------------------------ structure
     def enter_part(self, card):
+        self.level = "part"
         self.parts += 1
         if self.parts > 1:
             raise self.diagnostics.wrong(card.line, "there is a second part, but only one can be read: join them (Abaqus/CAE: Assembly, Merge/Cut)")
 
     def enter_instance(self, card):
+        self.level = "part"
         self.instances += 1
         if self.instances > 1:
             raise self.diagnostics.wrong(card.line, "there is a second instance, but only one can be read: join them (Abaqus/CAE: Assembly, Merge/Cut)")
@@ -72,7 +87,7 @@ class AbaqusMesh:
         self.level = "assembly"
 
     def leave_instance(self, _):
-        pass
+        self.level = "assembly"
 
     def leave(self, _):
         self.level = "model"
@@ -125,10 +140,10 @@ class AbaqusMesh:
 
     # ------------------------------------------------------------------ sets
     def node_set(self, name):
-        return self.model.node_sets.setdefault(self.spelled("node", name), [])
+        return self.model.node_sets.setdefault(self.define("node", name), [])
 
     def element_set(self, name):
-        return self.model.element_sets.setdefault(self.spelled("element", name), [])
+        return self.model.element_sets.setdefault(self.define("element", name), [])
 
     def rows(self, text, line, sets, kind, table):
         """Members of a set that a set's name or a number stands for; those that were left out are not among them."""
@@ -179,7 +194,7 @@ class AbaqusMesh:
         if kind != "ELEMENT":
             self.diagnostics.omit(card.line, f"{card.title}, TYPE={kind}: an analytical surface is an obstacle of 'contact' in the input")
             return
-        faces = self.model.surfaces.setdefault(self.spelled("surface", name), [])
+        faces = self.model.surfaces.setdefault(self.define("surface", name), [])
         for line, entries in card.data:
             rows = self.elements(entries[0], line)
             side = entries[1].upper() if len(entries) > 1 else ""
@@ -187,6 +202,8 @@ class AbaqusMesh:
 
     def sides(self, rows, side, line):
         """Faces S1, S2, ... of elements, by their corners."""
+        if not rows:
+            return []  # of elements that are left out
         if not re.fullmatch(r"S[1-6]", side):
             raise self.diagnostics.wrong(line, f"'{side}' is not a side of a solid element: they are S1 to S6")
         faces = []

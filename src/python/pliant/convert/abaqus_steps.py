@@ -98,8 +98,10 @@ class AbaqusSteps:
             self.diagnostics.note(card.line, f"{card.title}: increments that the program chooses become equal steps of 1/{MOST_STEPS} of the period; "
                                   "`time.adaptive` follows the error of a motion")
         self.increment = min(self.increment or increment, increment)
+        if card.has("RIKS"):
+            self.diagnostics.missing(card.line, f"{card.title}, RIKS: write `time: {{method: static, path: {{max_load: ..}}}}` into the input")
         for name in card.parameters:
-            if name not in ("DIRECT", "EXPLICIT", "SOLVER", "ALPHA"):
+            if name not in ("DIRECT", "EXPLICIT", "SOLVER", "ALPHA", "RIKS"):
                 self.diagnostics.omit(card.line, f"{card.title}, {name}")
 
     # ------------------------------------------------------------------ conditions
@@ -164,7 +166,10 @@ class AbaqusSteps:
             return
         for table in tables:
             for key in table:
+                if (id(table), key) in self.given:
+                    continue  # given or removed by another card of this step
                 self.change(card, table, key, 0.0)
+                self.given[id(table), key][1].clear()  # what follows replaces it
 
     def target(self, text, line):
         """The name of a set of nodes, or the number of a node."""

@@ -38,7 +38,7 @@ class FebioMaterials:
         node.used = True
         if kind not in self.readers:
             hint = ": `bodies[].rigid: true`, with `attached` or `coupled` surfaces" if kind == "rigid body" else ""
-            self.diagnostics.missing(node.line, f"material {node.get('name') or node.tag}: there is no law '{kind}'{hint}")
+            self.diagnostics.missing(node.line, f"material {node.get('name') or node.tag}: the law '{kind}' is not supported{hint}")
             return
         self.readers[kind](body, node)
 
@@ -78,8 +78,10 @@ class FebioMaterials:
         """`k` may stand in the material around this one."""
         bulk, pressure_model = self.bulk or self.number(node, "k"), node.child("pressure_model")
         body.poisson = poisson_of(shear, bulk) if bulk > 0 else 0.5
-        body.elasticity = {"model": model, **constants, "bulk_modulus": Quantity(bulk, STRESS),
-                           "volumetric_energy": VOLUMETRIC[pressure_model.text if pressure_model else default]}
+        kind = pressure_model.text.strip() if pressure_model else default
+        body.elasticity = {"model": model, **constants, "bulk_modulus": Quantity(bulk, STRESS), "volumetric_energy": VOLUMETRIC.get(kind, VOLUMETRIC[default])}
+        if kind not in VOLUMETRIC:
+            self.diagnostics.missing(pressure_model.line, f"pressure_model {kind[:40]} is not supported: {', '.join(VOLUMETRIC)} are")
         if bulk <= 0:
             self.diagnostics.missing(node.line, "the bulk modulus k is missing")
 

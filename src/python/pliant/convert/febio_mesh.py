@@ -123,7 +123,10 @@ class FebioMesh:
             rows = [node for e in self.model.element_sets[name] for node in self.model.elements[e]]
         else:
             return None
-        self.model.node_sets.setdefault(name, list(dict.fromkeys(rows)))
+        rows = list(dict.fromkeys(rows))
+        if self.model.node_sets.get(name, rows) != rows:
+            name = f"{name}_of_{kind}"  # a node set has this name
+        self.model.node_sets.setdefault(name, rows)
         return name
 
     def nodes_of_surface(self, name):

@@ -117,4 +117,5 @@ def lame(young, poisson):
 
 
 def poisson_of(shear, bulk):
-    return (3 * bulk - 2 * shear) / (2 * (3 * bulk + shear))
+    total = 2 * (3 * bulk + shear)
+    return (3 * bulk - 2 * shear) / total if total else 0.0  # constants that are missing
