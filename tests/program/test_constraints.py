@@ -222,6 +222,21 @@ class Constraints(ProgramTest):
                     for ranks in swept((2, 3), (2,) if name in ("periodic", "turning", "equation") else ()):
                         self.assert_same_history(self.solve("cube.msh", constraints, material, more=more, ranks=ranks), one, 1e-7)
 
+    def test_a_step_that_fails_with_pressures(self):
+        write_box(self.directory / "box.msh", (2, 2, 2), (0.1, 0.1, 0.1))
+        self.write("in.yaml", """mesh: {file: box.msh}
+bodies: [{volume: body, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 3e5, poissons_ratio: 0.49}}]
+volumetric: mixed
+constraints: [{surface: left, displacement: [0, 0, 0]}, {surface: right, displacement_along: 0.01, direction: [1, 2, 3]}]
+loads: [{surface: right, traction: [-3e8, 1e8, 4e8]}]
+time: {method: backward-euler, step: 0.1, end: 0.2, min_step: 0.05}
+""")
+        for ranks in (1, 2):
+            done = self.call("run", "in.yaml", ranks=ranks)
+            self.assertEqual(done.returncode, 3, done.stdout + done.stderr)
+            self.assertIn("Post-mortem", done.stderr)
+            self.assertTrue((self.directory / "out/in/post-mortem/report.yaml").exists())
+
     def test_integrators_of_petsc(self):
         # The same motion as by a method of Pliant, and closer to it by the method's order as steps are halved.
         write_box(self.directory / "cube.msh", (1, 1, 1))

@@ -181,8 +181,9 @@ probes: [{name: p, point: [0.3, 0.2, 0.2]}]
             "an equation, an oblique support, quadratic elements":
                 held + "  - {surface: right, displacement_along: 10 mm, direction: [1, 0, 1]}\nelement: P2\n"
                 "loads: [{gravity: [0, 0, -9.81]}]\n",
-            "an expansion, a nearly incompressible body":
-                held.replace("constraints", "volumetric: mixed\nconstraints") + "loads: [{gravity: [0, 0, -9.81]}]\n",
+            "an expansion, a nearly incompressible body, an oblique support":
+                held.replace("constraints", "volumetric: mixed\nconstraints") +
+                "  - {surface: right, displacement_along: 10 mm, direction: [1, 0, 1]}\nloads: [{gravity: [0, 0, -9.81]}]\n",
             "a rigid body tied to a surface, a tendon and a spring":
                 held + "rigid_bodies: [{name: lid, mass: 1, inertia: [1, 1, 1], center: [0.3, 0.1, 0.1], attached: [right]}]\n"
                 "springs: [{name: s, points: [{body: ground, point: [0.5, 0, 0]}, {body: lid, point: [0.3, 0, 0]}], stiffness: 100}]\n"

@@ -185,7 +185,7 @@ bool ConstrainedEquation::follow_prescribed_nodes(Vec y) {
 
 Vec ConstrainedEquation::displacements(Vec y) {
   expand(y, x_.get());
-  return x_.get();
+  return equation_.displacements(x_.get());
 }
 
 void ConstrainedEquation::project(Mat K) {
