@@ -2,7 +2,7 @@
 are needed.
 
 The wheel has the installed tree as it is (bin/pliant, lib/pliant, lib/python3/dist-packages, share/pliant), relative to the prefix of the
-environment, and the package with its compiled module where Python looks. The libraries that the program stands on are not in it.
+environment, and the package with its compiled module where Python looks. The libraries that the program needs are not in it.
 
 Settings: `pip install . --config-settings=KEY=VALUE`
   build-dir   folder of an existing or new build; default: build-wheel

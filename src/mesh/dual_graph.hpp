@@ -18,7 +18,6 @@ enum class CommonNodes { of_facets = 3, of_edges = 2 };
 /// Cells as graph vertices, shared facets as edges, in compressed rows; made and freed by METIS.
 class DualGraph {
  public:
-  DualGraph() = default;
   explicit DualGraph(const SerialMesh& mesh, CommonNodes common = CommonNodes::of_facets);
 
   std::size_t num_cells() const { return num_cells_; }

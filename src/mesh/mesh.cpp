@@ -64,8 +64,9 @@ MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   const DualGraph graph(parts.mesh);
   check_connections(parts.mesh, graph, parts.num_vertices, added, report);
   // Cells of shells have edges in common, not facets.
-  const DualGraph by_edges = source.added_shells.empty() ? DualGraph() : DualGraph(parts.mesh, CommonNodes::of_edges);
-  parts.part = (source.added_shells.empty() ? graph : by_edges).partition(num_parts, report.edge_cut);
+  std::optional<DualGraph> by_edges;
+  if (!source.added_shells.empty()) by_edges.emplace(parts.mesh, CommonNodes::of_edges);
+  parts.part = (by_edges ? *by_edges : graph).partition(num_parts, report.edge_cut);
   return parts;
 }
 

@@ -3,6 +3,7 @@
 #include "petsc/check.hpp"
 #include "run/arc_advance.hpp"
 #include "run/solver_setup.hpp"
+#include "run/static_states.hpp"
 #include "solver/petsc_integrator.hpp"
 
 #include <algorithm>
@@ -159,76 +160,30 @@ class LoadAdvance final : public Advance {
   LoadAdvance(const Config& config, Model& model, const StateView& initial, Stages stages)
       : solver_(config, model, stages),
         description_(description_of_solver(config, model)),
-        motion_(model.constraints().motion()),
-        internal_(model.potential().internal_variables()),
-        time_(config.time.end) {
-    for (Handle<Vec>* v : {&state_, &earlier_, &q_, &start_, &zero_, &start_velocity_})
-      *v = make_vector(model.layout());
-    check(VecCopy(initial.q, state_.get()));
-    if (initial.z == nullptr) return;
-    for (Handle<Vec>* z : {&state_z_, &z_}) check(VecDuplicate(initial.z, z->out()));
-    check(VecCopy(initial.z, state_z_.get()));
-  }
+        states_(config.time.end, model, initial) {}
 
   StepAttempt attempt(const Step& step) override {
     begin(step);
-    extrapolate(step.time);
-    start_at(q_.get());
-    const StageReport report = solver_(stage_, q_.get());
+    extrapolate();
+    const StageReport report = solver_(states_.begin_stage(load_factor_, unknown()), unknown());
     StepAttempt result = report.outcome == StageOutcome::converged ? end_step() : StepAttempt{};
-    result.time = result.load_factor = step.time;
+    result.time = result.load_factor = load_factor_;
     result.report = report;
     return result;
   }
 
-  void begin(const Step& step) override {
-    stage_ = {.time = time_,
-              .dt = 1.0,
-              .q0 = start_.get(),
-              .v0 = start_velocity_.get(),
-              .load_factor = step.time,
-              .step_start = time_ - 1.0,
-              .z0 = state_z_.get(),
-              .accepted = state_.get(),
-              .accepted_z = state_z_.get()};
-  }
+  void begin(const Step& step) override { load_factor_ = step.time; }
   const StagePoint& start_stage(Vec guess) override {
-    check(VecCopy(guess, q_.get()));
-    start_at(q_.get());
-    return stage_;
+    check(VecCopy(guess, unknown()));
+    return states_.begin_stage(load_factor_, unknown());
   }
-  Vec unknown() const override { return q_.get(); }
+  Vec unknown() const override { return states_.unknown(); }
   void end_stage() override {}
-  StepAttempt end_step() override {
-    StepAttempt result;
-    result.time = result.load_factor = stage_.load_factor;
-    result.last_stage = stage_;
-    result.q = result.last_q = q_.get();
-    result.v = result.last_a = zero_.get();
-    if (!z_) return result;
-    check(VecCopy(state_z_.get(), z_.get()));
-    internal_.complete_step(state_z_.get(), q_.get(), z_.get());
-    result.z = z_.get();
-    return result;
-  }
+  StepAttempt end_step() override { return states_.end_step(load_factor_); }
   void follow(StageFollower& follower) override { solver_.follow(follower); }
-
-  void accept(const StepAttempt& attempt) override {
-    check(VecCopy(state_.get(), earlier_.get()));
-    earlier_factor_ = std::exchange(load_factor_, attempt.time);
-    check(VecCopy(attempt.q, state_.get()));
-    if (state_z_) check(VecCopy(attempt.z, state_z_.get()));
-  }
-  StateView state() const override {
-    return {load_factor_, state_.get(), zero_.get(), state_z_.get(), {}, load_factor_};
-  }
-  void keep(Archive& archive) override {
-    archive.number("load_factor", load_factor_);
-    archive.vector("q", Entries::nodes, state_.get());
-    archive.number("earlier_load_factor", earlier_factor_);
-    archive.vector("earlier_q", Entries::nodes, earlier_.get());
-    if (state_z_) archive.vector("z", Entries::internal, state_z_.get());
-  }
+  void accept(const StepAttempt& attempt) override { states_.accept(attempt); }
+  StateView state() const override { return states_.view(states_.load_factor()); }
+  void keep(Archive& archive) override { states_.keep(archive); }
   void forget() override { solver_.forget(); }
   std::optional<FailedStage> examine() override { return solver_.examine(); }
   void watch(std::function<void(const StageProgress&)> watcher) override { solver_.watch(std::move(watcher)); }
@@ -236,32 +191,20 @@ class LoadAdvance final : public Advance {
   std::vector<std::string> description() const override { return {description_}; }
 
  private:
-  /// The start of the stage, and the prescribed entries of a guess of its end.
-  void start_at(Vec q) {
-    motion_.start_stage(stage_, q);
-    // Time stands still: prescribed functions of time have no rate.
-    check(VecCopy(state_.get(), start_.get()));
-    check(VecSet(start_velocity_.get(), 0.0));
-  }
   /// The guess, by linear extrapolation of the last two states.
-  void extrapolate(double load_factor) {
+  void extrapolate() {
     constexpr double longest = 2.0;  // relative to the previous step
-    check(VecCopy(state_.get(), q_.get()));
-    const double before = load_factor_ - earlier_factor_;
+    check(VecCopy(states_.last(), unknown()));
+    const double before = states_.load_factor() - states_.earlier_load_factor();
     if (before <= 0.0) return;
-    const double part = std::min((load_factor - load_factor_) / before, longest);
-    check(VecAXPBYPCZ(q_.get(), part, -part, 1.0, state_.get(), earlier_.get()));
+    const double part = std::min((load_factor_ - states_.load_factor()) / before, longest);
+    check(VecAXPBYPCZ(unknown(), part, -part, 1.0, states_.last(), states_.earlier()));
   }
 
   StageSolver solver_;
   std::string description_;
-  PrescribedMotion motion_;
-  StagePoint stage_;
-  InternalVariables internal_;
-  double time_;
-  double load_factor_ = 0.0, earlier_factor_ = 0.0;
-  Handle<Vec> state_, earlier_, q_, start_, zero_, start_velocity_;
-  Handle<Vec> state_z_, z_;  // null if there are none
+  StaticStates states_;
+  double load_factor_ = 0.0;  // of the step that is tried
 };
 
 }  // namespace

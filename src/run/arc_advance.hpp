@@ -2,9 +2,11 @@
 #pragma once
 
 #include "run/advance.hpp"
+#include "run/static_states.hpp"
 #include "solver/path_solver.hpp"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +23,7 @@ class ArcAdvance final : public Advance {
   StepAttempt attempt(const Step& step) override;
   void accept(const StepAttempt& attempt) override;
   const PathFinding* path() const override { return &finding_; }
-  StateView state() const override;
+  StateView state() const override { return states_.view(length_); }
   void keep(Archive& archive) override;
   void forget() override { solver_->forget(); }
   std::optional<FailedStage> examine() override { return solver_->examine(); }
@@ -30,7 +32,6 @@ class ArcAdvance final : public Advance {
   std::vector<std::string> description() const override { return {description_, "path: by arc length"}; }
 
  private:
-  StagePoint pose(double load_factor, Vec q);
   /// Makes the last accepted state the start of a step, with the tangent there.
   StageReport prepare();
   StageReport find_step(double length);
@@ -39,19 +40,14 @@ class ArcAdvance final : public Advance {
   std::optional<CriticalPoint> critical_point(const PathStep& step) const;
 
   std::string description_;
-  PrescribedMotion motion_;
-  InternalVariables internal_;
-  double end_time_;  // at which formulas are evaluated [s]
+  StaticStates states_;
   double max_load_, min_load_;
   bool keeps_tangent_;  // unknowns mean the same in every step
   std::unique_ptr<PathSolver> solver_;
-  StagePoint stage_;
   PathFinding finding_;
-  double length_ = 0.0, load_factor_ = 0.0, earlier_load_factor_ = 0.0;
-  bool has_earlier_ = false;
-  double unstable_before_ = 0.0;  // unstable modes of the accepted state; negative: not known
-  Handle<Vec> state_, earlier_, q_, start_, zero_, start_velocity_;
-  Handle<Vec> state_z_, z_;  // null if there are none
+  double length_ = 0.0;
+  bool has_earlier_ = false;                 // an accepted state before the last one
+  std::optional<PetscInt> unstable_before_;  // unstable modes of the last accepted state, if they are known
 };
 
 }  // namespace pliant

@@ -39,7 +39,7 @@ std::string PathEnd::reason(const StepRecord& record, const Ledger& ledger, bool
     }
   }
   if (record.step >= path_.max_steps) {
-    return fmt::format("it has {} steps, as many as 'max_steps' allows", record.step);
+    return fmt::format("it has taken {} steps, as many as 'max_steps' allows", record.step);
   }
   return {};
 }

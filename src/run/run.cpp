@@ -29,7 +29,7 @@
 namespace pliant {
 namespace {
 
-/// After so many stages the mean number of their iterations says something.
+/// After so many stages the mean number of their iterations is typical of the run.
 constexpr int telling_stages = 3;
 /// A stage that takes longer than this is reported to the user [s].
 constexpr double long_stage = 30.0;

@@ -19,7 +19,8 @@ constexpr int most_per_counted = 4;
 constexpr double part_to_wall = 0.5;
 /// Where the residual falls below this fraction in an iteration, the exact Hessian is likely to be definite next.
 constexpr double fast_fall = 0.5;
-/// After so many iterations with projected barriers from the start the residual hovers: negative curvature may lead on.
+/// After so many iterations with projected barriers from the start the residual no longer falls: negative curvature may
+/// lead on.
 constexpr int most_projecting = 3;
 /// Relative tolerance of linear systems whose solutions are taken as whole steps: with errors in stiff directions, a
 /// step along soft ones would cause large forces.

@@ -210,8 +210,7 @@ StageReport PathSolver::step(double length) {
   check(VecCopy(tangent_.xi.get(), d_.get()));
   check(VecScale(d_.get(), length));
   if (move_trial(length * tangent_.load) < 1.0) {
-    return failed({},
-                  "a step as long as that along the tangent would turn a tetrahedron inside out, or cross a barrier");
+    return failed({}, "a step of this length along the tangent turns a tetrahedron inside out, or crosses a barrier");
   }
   return finish(correct(Hold::arc, length));
 }
