@@ -30,9 +30,6 @@ ENVIRONMENT = {
     "OPENBLAS_NUM_THREADS": "1",
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-    # All ranks are here; a search for networks is much of the time that a short run takes.
-    "OMPI_MCA_pml": "ob1",
-    "OMPI_MCA_btl": "self,vader",
 }
 # When a rank ends with an error, mpirun waits so long for the others, which have ended too; after a signal they need it.
 UNSIGNALLED = {"OMPI_MCA_odls_base_sigkill_timeout": "0"}
