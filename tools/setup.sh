@@ -8,28 +8,32 @@
 # Does only what is missing. Root is needed for missing packages only. May be sourced for its functions.
 set -euo pipefail
 
-# The two lists of packages, for Debian 12.
-run_packages=(
+# The packages, for Debian 12: what compiling needs, and what else running and testing need.
+build_packages=(
   g++ cmake ninja-build pkg-config git
   libpetsc-real-dev libslepc-real-dev libgmsh-dev gmsh libmetis-dev libhdf5-openmpi-dev libopenmpi-dev openmpi-bin
   libopenblas0-pthread libopenblas-dev libyaml-cpp-dev libcli11-dev libfmt-dev libmuparser-dev
   libudunits2-dev nlohmann-json3-dev libeigen3-dev libboost-dev zlib1g-dev
-  python3 python3-dev pybind11-dev python3-numpy python3-vtk9 python3-matplotlib python3-h5py python3-yaml python3-pil ffmpeg xvfb
+  python3 python3-dev pybind11-dev
 )
+run_packages=(python3-numpy python3-vtk9 python3-matplotlib python3-h5py python3-yaml python3-pil ffmpeg xvfb)
+test_build_packages=(libgtest-dev libbenchmark-dev)
 test_packages=(
-  libgtest-dev libbenchmark-dev python3-jsonschema clang-format-14 clang-tidy-16 chromium python3-meshio
-  python3-scipy python3-mpi4py python3-petsc4py dpkg-dev file groff-base doxygen python3-pip python3-venv python3-sphinx python3-myst-parser furo
+  python3-jsonschema clang-format-14 clang-tidy-16 chromium python3-meshio python3-scipy python3-mpi4py
+  python3-petsc4py dpkg-dev file groff-base doxygen python3-pip python3-venv python3-sphinx python3-myst-parser furo
 )
 # The page of `pliant report` is put together by npm. Where there is one already it may come with a nodejs that is not
 # Debian's, which excludes Debian's npm.
 if ! command -v npm >/dev/null; then
-  run_packages+=(npm)
+  build_packages+=(npm)
 fi
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 build=$root/build
 # shellcheck disable=SC2034  # for those who source this
 python=/usr/bin/python3  # Debian's, which sees Debian's modules; another one may come first on PATH
+
+list_is_new=false  # that of the packages there are
 
 say() { printf 'pliant: %s\n' "$*"; }
 
@@ -38,31 +42,38 @@ fail() {
   exit 1
 }
 
-# packages_for run|test: one name per line.
+# packages_for run|test [build]: one name per line; with `build`, those that compiling needs.
 packages_for() {
-  case $1 in
-    run) printf '%s\n' "${run_packages[@]}" ;;
-    test) printf '%s\n' "${run_packages[@]}" "${test_packages[@]}" ;;
+  local names=("${build_packages[@]}")
+  if [[ $1 == test ]]; then
+    names+=("${test_build_packages[@]}")
+  fi
+  case $1-${2:-all} in
+    run-build | test-build) ;;
+    run-all) names+=("${run_packages[@]}") ;;
+    test-all) names+=("${run_packages[@]}" "${test_packages[@]}") ;;
     *) fail "expected 'run' or 'test', not '$1'" ;;
   esac
+  printf '%s\n' "${names[@]}"
 }
 
 missing_packages() {
   local wanted
-  mapfile -t wanted < <(packages_for "$1")
+  mapfile -t wanted < <(packages_for "$@")
   # dpkg-query fails when it does not know a name; such a name is missing too.
   comm -23 <(printf '%s\n' "${wanted[@]}" | sort) \
     <({ dpkg-query -W -f '${Package} ${db:Status-Status}\n' "${wanted[@]}" 2>/dev/null || true; } |
       sed -n 's/ installed$//p' | sort -u)
 }
 
+# install_packages run|test [build]
 install_packages() {
   if ! command -v dpkg-query >/dev/null; then
-    say "this is not a Debian system; the following must be installed already: $(packages_for "$1" | tr '\n' ' ')"
+    say "this is not a Debian system; the following must be installed already: $(packages_for "$@" | tr '\n' ' ')"
     return
   fi
   local missing as_root=()
-  mapfile -t missing < <(missing_packages "$1")
+  mapfile -t missing < <(missing_packages "$@")
   if ((${#missing[@]} == 0)); then
     return
   fi
@@ -80,7 +91,8 @@ install_packages() {
   if [[ -t 0 ]]; then
     quietly=/dev/tty  # sudo may ask for a password
   fi
-  "${apt[@]}" update <$quietly >/dev/null || say "the list of packages could not be updated; continuing with the old one"
+  "$list_is_new" || "${apt[@]}" update <$quietly >/dev/null || say "the list of packages could not be updated; continuing with the old one"
+  list_is_new=true
   "${apt[@]}" install -y --no-install-recommends "${missing[@]}" <$quietly >/dev/null ||
     fail "the packages could not be installed; on Debian 12, as root: apt-get install --no-install-recommends ${missing[*]}"
 }
@@ -151,12 +163,20 @@ compile() {
 
 # set_up run|test
 set_up() {
-  install_packages "$1"
+  local installing=
+  install_packages "$1" build
+  if ((EUID == 0)); then
+    install_packages "$1" </dev/null &  # while the program compiles, which does not need these
+    installing=$!
+  else
+    install_packages "$1"  # sudo may ask for a password
+  fi
   warn_of_slow_blas
   log=$(mktemp)
-  trap 'rm -f "$log"' EXIT
+  trap 'wait; rm -f "$log"' EXIT
   configure "$1"
   compile "$1"
+  wait $installing || exit 1
 }
 
 if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
