@@ -24,6 +24,7 @@ SMALL = {
     "soft_flail.yaml": ["time.end=0.06"],
     "pneumatic_actuator.yaml": ["time.end=0.02", "time.events=[]"],
     "relaxation.yaml": ["time.step=20 ms", "time.end=1"],
+    "damper.yaml": ["mesh.size=6 mm", "time.end=0.01"],
     "tendon_gripper.yaml": ["mesh.size=6 mm", "time.step=20 ms", "time.end=0.6", "time.events=[]"],
     "snapping_cap.yaml": ["mesh.size=8 mm", "element=P1", "time.path.max_steps=8"],
     "static_bending.yaml": ["mesh.size=0.2", "time.load_steps=4"],
