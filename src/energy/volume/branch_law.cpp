@@ -14,8 +14,10 @@ namespace {
 using Symmetric = std::array<Pack, num_symmetric>;
 
 constexpr int most_iterations = 40;
-constexpr double longest = 0.3;     // of F^-1 dF: a law with a barrier stays within it
-constexpr double accuracy = 1e-14;  // of the strain
+constexpr double longest = 0.3;  // of F^-1 dF: a law with a barrier stays within it
+/// Newton's method ends with a step of this part of the strain: what is left is of the order of its square, rounding.
+constexpr double last_step = 1e-9;
+constexpr double least_strain = 1e-14;  // that is told from none
 
 Tensor3<Pack> inverse(const Tensor3<Pack>& F) {
   return (1.0 / det(F)) * transpose(cofactor(F));
@@ -35,10 +37,18 @@ Symmetric components(const Tensor3<Pack>& S) {
   return s;
 }
 
+/// sum_k x_k unit(k).
 Tensor3<Pack> assembled(const Symmetric& x) {
   Tensor3<Pack> D{};
-  for (int k = 0; k < num_symmetric; ++k) D = D + x[k] * unit(k);
+  for (int k = 0; k < num_symmetric; ++k) {
+    D(symmetric_rows[k], symmetric_columns[k]) = D(symmetric_columns[k], symmetric_rows[k]) = k < 3 ? x[k] : 0.5 * x[k];
+  }
   return D;
+}
+
+/// Whether a step of Newton's method to this strain is not yet the last one.
+bool continues(const Tensor3<Pack>& step, const Tensor3<Pack>& strain) {
+  return any_of(dot(step, step) > last_step * last_step * (least_strain + dot(strain, strain)));
 }
 
 /// A : dF.
@@ -50,18 +60,20 @@ Tensor3<Pack> product(const Tangent<Pack>& A, const Tensor3<Pack>& dF) {
   return dP;
 }
 
-/// Solves C x = b by elimination without pivoting; C is symmetric and positive definite.
-Symmetric solve(std::array<Symmetric, num_symmetric> C, Symmetric b) {
+/// Solves C x = b by elimination without pivoting; C is symmetric and positive definite, and its upper half is read.
+Symmetric solve(std::array<Symmetric, num_symmetric>& C, Symmetric b) {
+  Symmetric inverse_pivots;
   for (int k = 0; k < num_symmetric; ++k) {
+    inverse_pivots[k] = 1.0 / C[k][k];
     for (int i = k + 1; i < num_symmetric; ++i) {
-      const Pack factor = C[i][k] / C[k][k];
-      for (int j = k; j < num_symmetric; ++j) C[i][j] -= factor * C[k][j];
+      const Pack factor = C[k][i] * inverse_pivots[k];
+      for (int j = i; j < num_symmetric; ++j) C[i][j] -= factor * C[k][j];
       b[i] -= factor * b[k];
     }
   }
   for (int k = num_symmetric - 1; k >= 0; --k) {
     for (int j = k + 1; j < num_symmetric; ++j) b[k] -= C[k][j] * b[j];
-    b[k] /= C[k][k];
+    b[k] *= inverse_pivots[k];
   }
   return b;
 }
@@ -175,21 +187,20 @@ Tensor3<Pack> BranchLaw::relaxed(std::size_t n, const Tensor3<Pack>& H, const Te
   const bool is_small = measure_ == Strain::small;
   Tensor3<Pack> at = H;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    const Tensor3<Pack> S = stress(n, at);
+    const Tensor3<Pack> G = is_small ? identity<Pack>() : inverse(add_to_diagonal(at, 1.0));
+    const Tensor3<Pack> P = elastic_.P(n, at), S = is_small ? P : matmul(G, P);
     Tangent<Pack> tangent;
     elastic_.tangent(n, at, tangent);
-    const Tensor3<Pack> G = is_small ? identity<Pack>() : inverse(add_to_diagonal(at, 1.0));
     std::array<Symmetric, num_symmetric> C;
     for (int l = 0; l < num_symmetric; ++l) {
       const Tensor3<Pack> dF = matmul(transpose(G), unit(l)), dP = product(tangent, dF);
       const Symmetric dS = components(is_small ? dP : matmul(G, dP - matmul(dF, S)));
-      for (int k = 0; k < num_symmetric; ++k) C[k][l] = dS[k];
+      for (int k = 0; k <= l; ++k) C[k][l] = dS[k];
     }
     const Tensor3<Pack> dE = assembled(solve(C, components(A - S)));
     const Tensor3<Pack> dF = matmul(transpose(G), dE);
     at = at + shortening(matmul(G, dF)) * dF;
-    const Tensor3<Pack> E = strain(at);
-    if (!any_of(dot(dE, dE) > accuracy * accuracy * (accuracy + dot(E, E)))) break;
+    if (!continues(dE, strain(at))) break;
   }
   return at;
 }
@@ -210,7 +221,8 @@ Tensor3<Pack> BranchLaw::isochoric_relaxed(std::size_t n, const Tensor3<Pack>& H
     for (int l = 0; l < num_symmetric; ++l) {
       const Tensor3<Pack> h = unit(l), slope = matmul(product(tangent, matmul(h, F)), transpose(F)) + matmul(tau, h);
       const Tensor3<Pack> even = small_strain(slope);
-      for (int k = 0; k < num_symmetric; ++k) C[k][l] = dot(unit(k), even);
+      const Symmetric column = components(even);
+      for (int k = 0; k <= l; ++k) C[k][l] = column[k];
       size += C[l][l];
     }
     for (int k = 0; k < 3; ++k) {
@@ -220,8 +232,7 @@ Tensor3<Pack> BranchLaw::isochoric_relaxed(std::size_t n, const Tensor3<Pack>& H
     const Tensor3<Pack> h = assembled(solve(C, b));
     const Tensor3<Pack> step = shortening(h) * h;
     at = at + matmul(step + 0.5 * matmul(step, step), F);
-    const Tensor3<Pack> E = strain(at);
-    if (!any_of(dot(h, h) > accuracy * accuracy * (accuracy + dot(E, E)))) break;
+    if (!continues(h, strain(at))) break;
   }
   return at;
 }
