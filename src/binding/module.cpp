@@ -108,6 +108,11 @@ class PythonSimulation {
     for (const Diagnostic& d : simulation_->model().diagnostics()) {
       lines.emplace_back(d.severity == Severity::warning ? 1 : 0, to_string(d));
     }
+    if (simulation_->config().checkpoint) {
+      lines.emplace_back(1,
+                         "warning: 'checkpoint' has no effect where Python drives the simulation, whose loads a "
+                         "checkpoint does not have; Simulation.save keeps states in memory");
+    }
     return lines;
   }
 

@@ -202,9 +202,11 @@ Format<int> integer(const Range& range) {
   return format;
 }
 
-Format<Located<std::string>> name_of_part() {
+namespace {
+
+Format<Located<std::string>> located_text(const std::string& what) {
   const auto name = text();
-  Format<Located<std::string>> format{"name of a physical surface or volume", name.schema, {}, {}};
+  Format<Located<std::string>> format{what, name.schema, {}, {}};
   format.read = [name](const InputNode& node, const std::string& key, Diagnostics& diagnostics,
                        Located<std::string>& into) {
     into.where = node.where;
@@ -212,6 +214,16 @@ Format<Located<std::string>> name_of_part() {
   };
   format.write = [name](const Located<std::string>& value) { return name.write(value.value); };
   return format;
+}
+
+}  // namespace
+
+Format<Located<std::string>> name_of_part() {
+  return located_text("name of a physical surface or volume");
+}
+
+Format<Located<std::string>> path_of_file() {
+  return located_text("path of a file");
 }
 
 Format<bool> truth() {
@@ -223,7 +235,11 @@ Format<bool> truth() {
     into = node.text == "true";
     return true;
   };
-  format.write = [](bool value) { return InputNode::scalar(value ? "true" : "false"); };
+  format.write = [](bool value) {
+    InputNode word = InputNode::scalar(value ? "true" : "false");
+    word.style = InputNode::Style::word;
+    return word;
+  };
   return format;
 }
 

@@ -23,9 +23,9 @@ struct RigidBodyConfig {
   std::string name;
   double mass = 0.0;  ///< [kg]; 0 only where something is attached or coupled
   Inertia inertia;
-  std::array<double, 3> center{};            ///< of mass [m]
-  std::array<double, 3> velocity{};          ///< [m/s]
-  std::array<double, 3> angular_velocity{};  ///< [rad/s]
+  std::array<double, 3> center{};                 ///< of mass [m]
+  std::optional<std::array<double, 3>> velocity;  ///< [m/s]; default: that of `initial`
+  std::array<double, 3> angular_velocity{};       ///< [rad/s]
   /// The body's shape, for contact and pictures.
   struct Surface {
     Located<std::string> file;  ///< resolved against the input file's directory

@@ -61,6 +61,7 @@ bool is_plain_word(const std::string& text) {
 
 std::string scalar_text(const InputNode& node) {
   if (node.kind == InputNode::Kind::null) return "null";
+  if (node.style == InputNode::Style::word) return node.text;
   if (node.style == InputNode::Style::plain && (is_plain_word(node.text) || parse_number(node.text))) return node.text;
   std::string quoted = "\"";
   for (char c : node.text) {

@@ -59,7 +59,8 @@ struct InputNode {
   std::vector<InputNode> children;  ///< list: items; map: values with their keys, each key once
   Location where;                   ///< of the value
   Location key_where;
-  enum class Style { plain, quoted } style = Style::plain;
+  /// `word`: true or false, which must not be quoted.
+  enum class Style { plain, quoted, word } style = Style::plain;
 
   static InputNode scalar(std::string text);
   static InputNode list(std::vector<InputNode> items);

@@ -120,7 +120,11 @@ double corner_area(const NodeLayout& layout, std::span<const PetscInt> nodes) {
 
 Contacts::Contacts(const ContactConfig& config, Analysis analysis, const ContactBodies& bodies,
                    std::vector<TouchingSurfaces> touching)
-    : config_(config), layout_(bodies.layout), body_names_(bodies.names), has_inertia_(analysis == Analysis::dynamic) {
+    : config_(config),
+      layout_(bodies.layout),
+      body_names_(bodies.names),
+      is_left_out_(bodies.is_left_out.begin(), bodies.is_left_out.end()),
+      has_inertia_(analysis == Analysis::dynamic) {
   const bool has_velocity = analysis != Analysis::static_equilibrium;
   for (const auto& o : config.obstacles) {
     auto shape = std::visit(DistanceOf{layout_.comm, o.point}, o.shape);
@@ -231,7 +235,7 @@ bool Contacts::is_within_bodies(const ObstacleConfig& o, const ObstacleFrame& fr
   const Vector3<double> x = frame.place(o.point);
   Vector3<double> X = x;  // reference position, if the initial displacement is uniform
   for (std::size_t i = 0; i < 3; ++i) X[i] -= displacement[i](x[0], x[1], x[2], 0.0);
-  return locate(layout_, X).distance == 0.0;
+  return locate(layout_, std::span(&X, 1), is_left_out_).front().distance == 0.0;
 }
 
 std::optional<Diagnostic> Contacts::warning_about_push(std::size_t obstacle, std::size_t body, const Instant& at,

@@ -26,6 +26,7 @@ struct ContactBodies {
   const std::vector<double>& shear_moduli;  ///< per body, of its stiffest part at rest [Pa]
   const std::vector<char>& prescribed;      ///< one flag per local entry
   const std::vector<double>& start;         ///< displacements of local nodes at the start [m]
+  std::span<const char> is_left_out;        ///< local cells that are not of the mesh (cells_without_mesh)
 };
 
 /// Contact at a node.
@@ -92,6 +93,7 @@ class Contacts {
   ContactConfig config_;
   const NodeLayout& layout_;
   std::vector<std::string> body_names_;
+  std::vector<char> is_left_out_;
   std::vector<std::shared_ptr<const Obstacle>> obstacles_;
   std::vector<double> widths_;                                   // of the obstacles [m]
   std::vector<std::shared_ptr<const ContactSurface>> surfaces_;  // of the bodies

@@ -233,10 +233,12 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   loads_ = std::make_unique<Loads>(config, layout_, *pattern_, std::move(load_parts), constraints_->prescribed());
   require_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);
   if (config.contact) {
+    const std::vector<char> not_of_mesh = cells_without_mesh(config, body_of_cell_);
     contacts_ = std::make_unique<Contacts>(
         *config.contact, analysis_of(config),
         ContactBodies{touching, layout_, *pattern_, body_of_cell_, body_names_, shear_moduli_,
-                      constraints_->prescribed().flags(), initial_displacement(config.initial.displacement, layout_)},
+                      constraints_->prescribed().flags(), initial_displacement(config.initial.displacement, layout_),
+                      not_of_mesh},
         touching_each_other);
     include(contacts_->description());
   }
@@ -405,7 +407,7 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
       }
     }
   }
-  set_start_of_rigid_bodies(config, layout_, body_of_cell_, q, v);
+  set_velocities_of_rigid_bodies(config, layout_, body_of_cell_, v);
   for (const auto& [what, vec] : {std::pair{"displacement", q}, {"velocity", v}})
     require_finite_initial(config, layout_, what, vec);
   const Step before_start{0.0, config.time.step};

@@ -261,11 +261,11 @@ std::vector<char> cells_without_places(const Config& config, const std::vector<i
   return result;
 }
 
-void set_start_of_rigid_bodies(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,
-                               Vec q, Vec v) {
+void set_velocities_of_rigid_bodies(const Config& config, const NodeLayout& layout,
+                                    const std::vector<int>& body_of_cell, Vec v) {
   if (config.rigid_bodies.empty()) return;
   const int first = first_rigid_body(config, layout, body_of_cell);
-  const ArrayView displacement(q), velocity(v);
+  const ArrayView velocity(v);
   for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
     const int body = body_of_cell[static_cast<std::size_t>(c)];
     if (body < first) continue;
@@ -273,10 +273,10 @@ void set_start_of_rigid_bodies(const Config& config, const NodeLayout& layout, c
     for (const PetscInt n : layout.nodes_of_cell(c)) {
       if (n >= layout.num_owned_nodes) continue;
       const Vector3<double> arm = Vector3<double>(layout.position(n)) - Vector3<double>(rigid.center);
-      const auto w = Vector3<double>(rigid.velocity) + cross(Vector3<double>(rigid.angular_velocity), arm);
+      const auto turning = cross(Vector3<double>(rigid.angular_velocity), arm);
       for (std::size_t i = 0; i < 3; ++i) {
-        displacement[3 * n + static_cast<PetscInt>(i)] = 0.0;
-        velocity[3 * n + static_cast<PetscInt>(i)] = w[i];
+        double& w = velocity[3 * n + static_cast<PetscInt>(i)];
+        w = (rigid.velocity ? (*rigid.velocity)[i] : w) + turning[i];
       }
     }
   }

@@ -49,9 +49,9 @@ std::vector<char> cells_without_mesh(const Config& config, const std::vector<int
 /// The same without rods that do not follow a curve of the mesh: places of the input may be in them.
 std::vector<char> cells_without_places(const Config& config, const std::vector<int>& body_of_cell);
 
-/// Puts `rigid_bodies`, the last of the bodies, to their places and velocities at the start.
-void set_start_of_rigid_bodies(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,
-                               Vec q, Vec v);
+/// Sets the velocities at the start that `rigid_bodies`, the last of the bodies, have of their own.
+void set_velocities_of_rigid_bodies(const Config& config, const NodeLayout& layout,
+                                    const std::vector<int>& body_of_cell, Vec v);
 
 /// Sets the moduli of free shells, and of rigid bodies that of the stiffest other body: the stiffness of their contact
 /// follows from these.

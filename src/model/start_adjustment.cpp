@@ -302,6 +302,9 @@ bool resolves_start(const Config& config) {
 std::vector<std::string> parts_that_meet(const Config& config) {
   std::vector<std::string> names = names_of_added_bodies(config).names;
   for (const auto& surfaces : tied_surfaces(config)) names.push_back(surfaces[1].name);
+  for (const BodyConfig& body : config.bodies) {
+    for (const Selection& surface : surfaces_held_by(body)) names.push_back(surface.name);
+  }
   if (!resolves_start(config)) return names;
   for (const ContactPairConfig& pair : config.contact->pairs.list) {
     names.push_back(pair.part.value);

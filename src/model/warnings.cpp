@@ -203,7 +203,7 @@ bool nothing_moves(const Config& config) {
   const bool may_be_pushed = config.contact && (!config.contact->obstacles.empty() || !config.contact->has_barrier());
   const auto is_at_rest = [](const RigidBodyConfig& body) {
     const std::array<double, 3> none{};
-    return body.velocity == none && body.angular_velocity == none;
+    return body.velocity.value_or(none) == none && body.angular_velocity == none;
   };
   const auto is_loose = [](const JointConfig& joint) { return !joint.spring; };
   const auto is_relaxed = [](const SpringConfig& spring) { return !spring.rest || spring.stiffness == 0.0; };

@@ -17,6 +17,8 @@ constexpr double largest_turn = 0.5, aimed_turn = 0.15;
 /// Iterations aimed at.
 constexpr double aimed_iterations = 5.0;
 constexpr double most_growth = 2.0, least_growth = 0.25;
+/// As often a step that seems to have left its branch is halved: a limit point and a bifurcation may be one.
+constexpr int most_doubtful_attempts = 3;
 
 /// The load factor at its extreme within a step, from its values and slopes at both ends (a cubic).
 std::optional<double> extreme_within(double from, const PathStep& step) {
@@ -73,6 +75,13 @@ StageReport ArcAdvance::find_step(double length) {
                                 found.turn, largest_turn);
     return report;
   }
+  if (is_doubtful(found) && ++doubtful_attempts_ <= most_doubtful_attempts) {
+    report.outcome = StageOutcome::retry;
+    report.reason =
+        "the load turns, but the number of unstable modes does not change as at a limit point: the step has "
+        "left its branch of the path, or passes several critical points";
+    return report;
+  }
   finding_.growth = std::clamp(std::min(std::sqrt(aimed_iterations / std::max(1, report.newton_iterations)),
                                         aimed_turn / std::max(found.turn, 1e-6)),
                                least_growth, most_growth);
@@ -83,6 +92,11 @@ StageReport ArcAdvance::find_step(double length) {
     report.linear_iterations += end.linear_iterations;
   }
   return report;
+}
+
+bool ArcAdvance::is_doubtful(const PathStep& step) const {
+  const bool turns = step.slope_at_start * step.slope_at_end < 0.0;
+  return turns && step.unstable_modes && unstable_before_ && (*step.unstable_modes - *unstable_before_) % 2 == 0;
 }
 
 std::optional<CriticalPoint> ArcAdvance::critical_point(const PathStep& step) const {
@@ -119,6 +133,7 @@ StepAttempt ArcAdvance::attempt(const Step& step) {
 void ArcAdvance::accept(const StepAttempt& attempt) {
   states_.accept(attempt);
   has_earlier_ = true;
+  doubtful_attempts_ = 0;
   length_ = attempt.time;
   unstable_before_ = finding_.unstable_modes;
   solver_->accept(keeps_tangent_);

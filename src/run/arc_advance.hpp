@@ -36,6 +36,8 @@ class ArcAdvance final : public Advance {
   StageReport prepare();
   StageReport find_step(double length);
   bool is_beyond(double load_factor) const { return load_factor >= max_load_ || load_factor <= min_load_; }
+  /// Whether the step has left its branch: at a limit point the number of unstable modes changes by one.
+  bool is_doubtful(const PathStep& step) const;
   /// The critical point that the step has passed.
   std::optional<CriticalPoint> critical_point(const PathStep& step) const;
 
@@ -47,6 +49,7 @@ class ArcAdvance final : public Advance {
   PathFinding finding_;
   double length_ = 0.0;
   bool has_earlier_ = false;                 // an accepted state before the last one
+  int doubtful_attempts_ = 0;                // since the last accepted state
   std::optional<PetscInt> unstable_before_;  // unstable modes of the last accepted state, if they are known
 };
 

@@ -128,7 +128,7 @@ Section<FitTestConfig> test_keys() {
     return KeyGroup{std::move(keys), need, {relaxation}};
   };
   return {{field("kind", &T::kind, kind_format(), "what was done to the specimen").required(),
-           field("data", &T::data, name_of_part(), "table of the measurements (CSV), relative to this file").required(),
+           field("data", &T::data, path_of_file(), "table of the measurements (CSV), relative to this file").required(),
            field("weight", &T::weight, quantity("1", Range::above(0)), "factor of the test's squared residuals")
                .otherwise("1"),
            field("loading", &T::loading,
@@ -167,7 +167,7 @@ Section<FitTargetConfig> target_keys() {
   scale.info.type = "quantity in the unit of the column";
   scale.read = [](const InputNode& node, Diagnostics&, T& into) { into.scale = node; };
   return {{field("column", &T::column, text(), "a column of history.csv: `tip_z`, `clamp_fx`").required(),
-           field("data", &T::data, name_of_part(),
+           field("data", &T::data, path_of_file(),
                  "table of the measurements (CSV) with the columns `time` and that one, relative to this file")
                .required(),
            std::move(scale).otherwise_in_words("the largest measured value"),
@@ -207,7 +207,7 @@ const Format<FitConfig>& fit_format() {
        field("starts", &F::starts, integer(Range::from_to(1, 10000)),
              "number of starts; the best minimum counts. They are the same every time")
            .otherwise_in_words("10, with `input` 1"),
-       field("input", &F::input, name_of_part(), "the input of which numbers are fitted, relative to this file"),
+       field("input", &F::input, path_of_file(), "the input of which numbers are fitted, relative to this file"),
        field("parameters", &F::parameters, by_parameter("[lowest, highest]"),
              "numbers of the input, named as for --set, with their bounds"),
        field("targets", &F::targets, list_of(map_of(target_keys()), 1), "what was measured of the motion")},

@@ -19,6 +19,9 @@ namespace {
 /// Sections on which the mesh, the steps or the files depend, not the mechanics.
 constexpr std::array<std::string_view, 6> other_sections{"mesh", "time", "solver", "output", "checkpoint", "element"};
 
+/// Keys of a rod from which its nodes follow.
+constexpr std::array<std::string_view, 4> geometry_of_rods{"radius", "width", "height", "points"};
+
 std::vector<std::string> parts_of(const std::string& path) {
   std::vector<std::string> parts;
   std::istringstream stream(path);
@@ -82,6 +85,15 @@ VariedNumber number_at(const InputNode& as_typed, const InputNode& as_read, cons
   if (std::ranges::any_of(other_sections, is_of)) {
     throw InputError(where, fmt::format("'{}' cannot be varied: mesh, steps and files must be the same for all values; "
                                         "numbers of bodies, loads, constraints or contact can",
+                                        key));
+  }
+  const auto is_geometry = [](const std::string& part) {
+    return std::ranges::find(geometry_of_rods, part) != geometry_of_rods.end();
+  };
+  if (is_of("rods") && std::ranges::any_of(parts, is_geometry)) {
+    throw InputError(where, fmt::format("'{}' cannot be varied: the nodes of a rod follow from its points and its "
+                                        "section, and the mesh must be the same for all values; compare runs instead "
+                                        "(`pliant sweep`)",
                                         key));
   }
   const InputNode* node = node_at(as_typed, parts);

@@ -84,9 +84,11 @@ Section<RigidBodyConfig> rigid_body_keys() {
                     "mass of the body; needed unless something is attached to it or coupled with it")
                   .otherwise("0"),
               field("inertia", &R::inertia, inertia(), "moments of inertia about the center").otherwise("[0, 0, 0]"),
-              field("center", &R::center, array_of<3>(quantity("m")), "center of mass at the start").required(),
+              field("center", &R::center, array_of<3>(quantity("m")),
+                    "center of mass; `initial.displacement` moves it, as it moves the mesh")
+                  .required(),
               field("velocity", &R::velocity, array_of<3>(quantity("m/s")), "velocity of the center at the start")
-                  .otherwise("[0, 0, 0]"),
+                  .otherwise_in_words("`initial.velocity`"),
               field("angular_velocity", &R::angular_velocity, array_of<3>(quantity("rad/s")),
                     "angular velocity at the start")
                   .otherwise("[0, 0, 0]"),
@@ -178,7 +180,7 @@ Section<SpringConfig> spring_keys() {
               field("stiffness", &S::stiffness, quantity("N/m", Range::at_least(0)), "force per change of the length")
                   .otherwise("0"),
               field("rest", &S::rest, quantity("m", Range::at_least(0)), "length without force")
-                  .otherwise_in_words("the length at the start"),
+                  .otherwise_in_words("the length in the mesh"),
               field("damping", &S::damping, quantity("N*s/m", Range::at_least(0)), "force per rate of the length")
                   .otherwise("0"),
               field("tension_only", &S::is_tension_only, truth(),

@@ -1,4 +1,5 @@
-"""Draws the history of a run: energies and their balance, probes, forces, and what each step cost."""
+"""Draws the history of a run: energies and their balance, probes, forces, cavities, joints and tendons, and what each step cost."""
+import difflib
 import os
 
 import matplotlib
@@ -7,9 +8,11 @@ import yaml
 from matplotlib import pyplot as plt
 
 from pliant import History, PliantError, Result
+from pliant.notebook import unit_of
 
 from ..command_line import Parser, exit_code
 from .analysis import counted
+from .quantity import quantity_of
 
 COLOURS = ["#3b6fb6", "#d1603d", "#3f9c6b", "#8a63b8", "#c79a2b", "#4aa5b5", "#b5507c", "#6d7580"]
 STYLE = {
@@ -18,10 +21,10 @@ STYLE = {
     "axes.grid": True, "grid.color": "#e3e6ea", "grid.linewidth": 0.8, "axes.axisbelow": True,
     "xtick.color": "#5a606b", "ytick.color": "#5a606b", "text.color": "#2d3139", "lines.linewidth": 1.6,
     "legend.frameon": False, "legend.fontsize": 8.5, "figure.facecolor": "white",
-    "axes.prop_cycle": matplotlib.cycler(color=COLOURS), "axes.formatter.useoffset": False,
+    "axes.prop_cycle": matplotlib.cycler(linestyle=["-", "--", ":"]) * matplotlib.cycler(color=COLOURS), "axes.formatter.useoffset": False,
     "axes.formatter.limits": (-3, 4), "axes.formatter.use_mathtext": True,
 }
-ENERGIES = ("kinetic_energy", "elastic_energy", "load_potential", "dissipated_energy", "load_work")
+ENERGIES = ("kinetic_energy", "elastic_energy", "load_potential", "dissipated_energy", "numerical_dissipation", "load_work")
 
 
 def changes(values):
@@ -60,16 +63,20 @@ def draw_balance(axes, time, history):
     axes.set_ylabel("error / largest energy change" if relative else "error [J]")
 
 
-def draw_probes(axes, time, history, probes):
-    axes.set_title("Probes")
-    for probe in probes:
-        for axis in "xyz":
-            position = history[f"{probe}_{axis}"]
-            moved = position - position[0]
-            if changes(moved):
-                axes.plot(time, moved, label=f"{probe} {axis}")
-    axes.set_ylabel("moved from the start by [m]")
+def draw_lines(axes, time, title, label, lines):
+    """Those of the lines, by name, whose changes are seen next to those of the others."""
+    axes.set_title(title)
+    most = max((max(np.ptp(values), 1e-6 * np.abs(values).max()) for values in lines.values()), default=0.0)
+    for name, values in lines.items():
+        if np.ptp(values) > 1e-3 * most:
+            axes.plot(time, values, label=name)
+    axes.set_ylabel(label)
     show_legend(axes)
+
+
+def draw_probes(axes, time, history, probes):
+    positions = {f"{probe} {axis}": history[f"{probe}_{axis}"] for probe in probes for axis in "xyz"}
+    draw_lines(axes, time, "Probes", "moved from the start by [m]", {name: x - x[0] for name, x in positions.items()})
 
 
 def ways(history):
@@ -106,20 +113,34 @@ def draw_path(axes, history, name, values):
 
 
 def draw_forces(axes, time, history, names):
-    axes.set_title("Forces of obstacles and constraints")
-    for name in names:
-        for axis in "xyz":
-            force = history[f"{name}_f{axis}"]
-            if changes(force):
-                axes.plot(time, force, label=f"{name} {axis}")
-    axes.set_ylabel("force [N]")
-    show_legend(axes)
+    draw_lines(axes, time, "Forces of obstacles and constraints", "force [N]",
+               {f"{name} {axis}": history[f"{name}_f{axis}"] for name in names for axis in "xyz"})
+
+
+# Columns of cavities, tendons, springs and joints: their ending, the title over them, and what they are.
+MECHANISMS = (("_pressure", "Pressure in cavities", "gauge pressure [Pa]"), ("_volume", "Volume of cavities", "volume [m³]"),
+              ("_tension", "Tension of tendons", "tension [N]"), ("_force", "Force of springs", "force [N]"),
+              ("_angle", "Angles of joints", "angle [rad]"), ("_travel", "Travel of joints", "travel [m]"),
+              ("_effort", "Efforts of motors", "effort [N m, of sliders N]"))
+
+
+def of_mechanisms(history, taken):
+    """Drawings of these columns, of those that vary."""
+    for ending, title, label in MECHANISMS:
+        lines = {name.removesuffix(ending): history[name] for name in history if name.endswith(ending) and name not in taken}
+        if any(changes(values) for values in lines.values()):
+            yield lambda axes, time, h, parts=(title, label, lines): draw_lines(axes, time, *parts)
 
 
 def draw_column(axes, time, history, name, title):
-    axes.set_title(title)
+    what, unit = title
+    axes.set_title(what)
     axes.plot(time, history[name], color=COLOURS[3])
-    axes.set_ylabel(name)
+    axes.set_ylabel(labelled(name, unit))
+
+
+def labelled(name, unit):
+    return f"{name} [{unit}]" if unit else name
 
 
 def draw_mesh_error(axes, time, history):
@@ -154,13 +175,21 @@ def words(field):
     return field.replace("_", " ").replace("von mises", "von Mises").replace("cauchy", "Cauchy")
 
 
+def unit_of_entry(directory, entry):
+    """That of a column of `output.history`; empty if it is not known here, as of integrals."""
+    try:
+        return "" if entry["take"] == "integral" else quantity_of(Result(directory), entry["of"]).unit
+    except (PliantError, OSError, KeyError):  # a field that the frames do not have
+        return ""
+
+
 def columns_from_fields(directory):
-    """Names of the columns of `output.history`, and what they are."""
+    """Names of the columns of `output.history`; of each what it is, and its unit."""
     try:
         with open(os.path.join(directory, "run.yaml"), encoding="utf-8") as file:
             entries = yaml.safe_load(file)["output"]["history"]
-        return {entry["name"]: f"{entry['take']} of {words(entry['of'])}" + (f" in {entry['in']}" if "in" in entry else "")
-                for entry in entries}
+        return {entry["name"]: (f"{entry['take']} of {words(entry['of'])}" + (f" in {entry['in']}" if "in" in entry else ""),
+                                unit_of_entry(directory, entry)) for entry in entries}
     except (OSError, KeyError, TypeError, yaml.YAMLError):  # a history alone, or a run without such columns
         return {}
 
@@ -178,6 +207,7 @@ def panels(history, taken):
     forces = triples(history, ("_fx", "_fy", "_fz"))
     if forces:
         chosen.append(lambda axes, time, h: draw_forces(axes, time, h, forces))
+    chosen += of_mechanisms(history, taken)
     for name, title in taken.items():
         if name in history:
             chosen.append(lambda axes, time, h, name=name, title=title: draw_column(axes, time, h, name, title))
@@ -190,12 +220,42 @@ def panels(history, taken):
     return chosen
 
 
+def unit_of_column(name, taken):
+    return taken[name][1] if name in taken else unit_of(name)
+
+
+def chosen_columns(history, names, taken, x):
+    """Drawings of the columns that are named: those of one unit in one, over the column `x` or over time."""
+    by_unit = {}
+    for name in names:
+        by_unit.setdefault(unit_of_column(name, taken) or name, []).append(name)
+    for unit, columns in by_unit.items():
+        def draw_them(axes, time, h, unit=unit, columns=columns):
+            for name in columns:
+                axes.plot(h[x] if x else time, h[name], label=name)
+            axes.set_ylabel(labelled(columns[0], unit_of_column(columns[0], taken)) if len(columns) == 1 else f"[{unit}]")
+            if len(columns) > 1:
+                show_legend(axes)
+            if x:
+                axes.set_xlabel(labelled(x, unit_of_column(x, taken)))
+        yield draw_them
+
+
+def require(history, option, name):
+    if name not in history:
+        close = difflib.get_close_matches(name, list(history), 1)
+        raise PliantError(f"--{option} {name}: the history has no such column" + (f"; did you mean '{close[0]}'?" if close else
+                          "; it has " + ", ".join(history)))
+
+
 LABELS = {"path": "length of the path", "load": "load factor", "": "time [s]"}
 
 
-def draw(history, title, taken, counts=""):
+def draw(history, title, taken, counts="", columns=(), x=None):
     along = list(ways(history).items()) if "load_factor" in history else []
     drawings = [lambda axes, time, h, way=way: draw_path(axes, h, *way) for way in along[:4]] + panels(history, taken)
+    if columns:
+        drawings = list(chosen_columns(history, columns, taken, x))
     num_rows = max(1, -(-len(drawings) // 2))
     figure, grid = plt.subplots(num_rows, 2, figsize=(12, 0.5 + 2.9 * num_rows), squeeze=False, layout="constrained")
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)
@@ -222,6 +282,8 @@ def parser_of(program):
     parser = Parser(prog=program, description=__doc__)
     parser.add_argument("result", help="the output directory of a run, or its history.csv")
     parser.add_argument("-o", "--output", help="file to write (.png, .pdf, .svg); default: history.png in the output directory")
+    parser.add_argument("--of", metavar="COLUMN,...", help="columns of the history to draw instead; those of one unit together")
+    parser.add_argument("--x", metavar="COLUMN", help="the column to draw those over, instead of time: pressure over volume, force over way")
     return parser
 
 
@@ -233,8 +295,14 @@ def main(arguments, program):
         history = History(options.result)
         directory = os.path.dirname(os.path.abspath(history.file))
         file = options.output or os.path.join(directory, "history.png")
+        columns = [name.strip() for name in options.of.split(",")] if options.of else []
+        for option, names in (("of", columns), ("x", [options.x] if options.x else [])):
+            for name in names:
+                require(history, option, name)
+        if options.x and not columns:
+            raise PliantError("--x needs the columns to draw over it: --of COLUMN,...")
         with plt.rc_context(STYLE):
-            figure = draw(history, title_of(directory), columns_from_fields(directory), counted(directory))
+            figure = draw(history, title_of(directory), columns_from_fields(directory), counted(directory), columns, options.x)
             figure.savefig(file, dpi=150)
         print(file)
 

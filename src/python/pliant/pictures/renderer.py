@@ -18,8 +18,7 @@ class Renderer:
         title = options.title if options.title is not None else result.title
         self._page = Page(options.size, title, shown.quantity, shown.colours)
         self._instants = dict(zip((frame.name for frame in result.frames), instants_as_text(result.frames, counted(result.directory))))
-        clouds = [*shown.clouds(), *shown.near_obstacles()]
-        clouds += [mechanisms.cloud() for mechanisms in map(shown.mechanisms, shown.sample()) if mechanisms is not None]
+        clouds = [*shown.clouds(), *shown.near_obstacles(), *shown.mechanism_clouds()]
         self._camera = fitted_camera(options.view, clouds, self._page.scene_size)
 
     def _scene(self, frame):

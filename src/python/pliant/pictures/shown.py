@@ -62,14 +62,22 @@ class Shown:
         self.by_tension = options.field == "tension"
         self.quantity = self._chosen_quantity()
         self.colours = self._colour_scale()
-        self.bodies = np.concatenate([extreme(points) for points in self.clouds()])  # points that bound them
+        clouds = self.clouds() or self.mechanism_clouds()
+        if not clouds:
+            raise PliantError("nothing is left to draw: rods, tendons, springs and joints are drawn with --scale 1 only")
+        if not self.clouds() and not self.by_tension:
+            self.quantity = self.colours = None  # rods alone have colours of their own
+        self.bodies = np.concatenate([extreme(points) for points in clouds])  # points that bound them
 
     def clouds(self):
-        """The points of the bodies in some frames, and those of the outline."""
-        for frame in self.sample():
-            yield from self.positions(frame)
+        """The points of the bodies in some frames, and those of the outline; none of a model of rods alone."""
+        clouds = [positions for frame in self.sample() for positions in self.positions(frame)]
         if self._options.outline:
-            yield from (self.reference(shell, self.frames[0]) for shell in self.shells(self.frames[0]))
+            clouds += [self.reference(shell, self.frames[0]) for shell in self.shells(self.frames[0])]
+        return [points for points in clouds if len(points) > 0]
+
+    def mechanism_clouds(self):
+        return [shown.cloud() for shown in map(self.mechanisms, self.sample()) if shown is not None]
 
     def _chosen_quantity(self):
         if self._options.field == "none":
