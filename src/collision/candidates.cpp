@@ -62,7 +62,7 @@ Candidates find_candidates(const CollisionSurface& surface, std::span<const Vect
 }
 
 std::vector<double> least_distances(const CollisionSurface& surface, std::span<const Vector3<double>> x, int num_bodies,
-                                    double distance) {
+                                    double distance, const SurfaceNeighbours& neighbours) {
   const auto n = static_cast<std::size_t>(num_bodies);
   std::vector<double> squares(n * n, distance * distance);
   const auto lower = [&](int body, int other, double square) {
@@ -72,11 +72,13 @@ std::vector<double> least_distances(const CollisionSurface& surface, std::span<c
   for (const BoxPair& pair : candidates.point_triangle) {
     const auto& triangle = surface.triangles()[pair.second];
     const auto [a, b, c] = triangle.vertices;
+    if (neighbours.include(std::array{pair.first}, triangle.vertices)) continue;
     lower(surface.vertices()[pair.first].body, triangle.body,
           closest_point_triangle(std::array{x[pair.first], x[a], x[b], x[c]}).squared_distance);
   }
   for (const BoxPair& pair : candidates.edge_edge) {
     const auto &a = surface.edges()[pair.first], &b = surface.edges()[pair.second];
+    if (neighbours.include(a.vertices, b.vertices)) continue;
     const std::array ends{x[a.vertices[0]], x[a.vertices[1]], x[b.vertices[0]], x[b.vertices[1]]};
     lower(a.body, b.body, closest_edge_edge(ends).squared_distance);
   }
@@ -127,7 +129,8 @@ std::vector<BoxPair> find_intersections(const CollisionSurface& surface, std::sp
     const auto& t = surface.triangles()[triangle].vertices;
     const bool is_incident = surface.is_incident(surface.triangles()[triangle], e[0]) ||
                              surface.is_incident(surface.triangles()[triangle], e[1]);
-    return !is_incident && segment_meets_triangle({x[e[0]], x[e[1]]}, {x[t[0]], x[t[1]], x[t[2]]});
+    return !is_incident && !surface.triangles()[triangle].is_segment() &&
+           segment_meets_triangle({x[e[0]], x[e[1]]}, {x[t[0]], x[t[1]], x[t[2]]});
   });
 }
 

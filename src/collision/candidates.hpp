@@ -3,6 +3,7 @@
 
 #include "collision/bvh.hpp"
 #include "collision/surface.hpp"
+#include "collision/surface_neighbours.hpp"
 
 #include <span>
 #include <vector>
@@ -41,10 +42,10 @@ class BroadPhase {
 /// The same for positions at one time.
 Candidates find_candidates(const CollisionSurface& surface, std::span<const Vector3<double>> x, double distance);
 
-/// The least distances between parts of bodies that share no vertex [m], and at most `distance`: a symmetric matrix by
-/// rows of all bodies (SurfaceTriangle::body).
+/// The least distances between parts of bodies that share no vertex and are not neighbours [m], and at most `distance`:
+/// a symmetric matrix by rows of all bodies (SurfaceTriangle::body).
 std::vector<double> least_distances(const CollisionSurface& surface, std::span<const Vector3<double>> x, int num_bodies,
-                                    double distance);
+                                    double distance, const SurfaceNeighbours& neighbours = {});
 
 /// Pairs of triangles of different bodies whose boxes are nearer than `distance` [m], of those with these numbers, in
 /// no particular order.

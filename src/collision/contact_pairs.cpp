@@ -96,11 +96,16 @@ class FeatureCounter {
 
 ContactRule quadratic_contact_rule() {
   const double a = (1.0 + std::sqrt(8.0 / 17.0)) / 3.0, b = 0.5 * (1.0 - a), weight = 17.0 / 60.0;
-  return {1.0 / 20.0, {{{a, b, b}, weight}, {{b, a, b}, weight}, {{b, b, a}, weight}}};
+  const double c = 0.5 * (1.0 - std::sqrt(3.0 / 7.0));
+  return {1.0 / 20.0,
+          {{{a, b, b}, weight}, {{b, a, b}, weight}, {{b, b, a}, weight}},
+          1.0 / 20.0,
+          {{{1.0 - c, c, 0.0}, 49.0 / 180.0}, {{0.5, 0.5, 0.0}, 16.0 / 45.0}, {{c, 1.0 - c, 0.0}, 49.0 / 180.0}}};
 }
 
 Vector3<double> SurfacePoint::position(std::span<const Vector3<double>> x) const {
   if (num_nodes == 1) return x[nodes[0]];
+  if (num_nodes == 2) return weights[0] * x[nodes[0]] + weights[1] * x[nodes[1]];
   return weights[0] * x[nodes[0]] + weights[1] * x[nodes[1]] + weights[2] * x[nodes[2]];
 }
 
@@ -122,10 +127,8 @@ FeatureMultiplicities::FeatureMultiplicities(const CollisionSurface& surface, co
     const auto of_vertex = std::span(vertices_).subspan(set * num_vertices_, num_vertices_);
     for (const auto& triangle : surface.triangles()) {
       if (!sets(static_cast<int>(set), triangle.group)) continue;
-      for (std::size_t k = 0; k < 3; ++k) {
-        ++of_edge[triangle.edges[k]];
-        --of_vertex[triangle.vertices[k]];
-      }
+      for (const std::int32_t edge : triangle.sides()) ++of_edge[edge];
+      for (const std::int32_t vertex : triangle.corners()) --of_vertex[vertex];
     }
     for (std::size_t edge = 0; edge < num_edges_; ++edge) {
       if (of_edge[edge] < 0) continue;  // no triangle is seen here
@@ -138,8 +141,9 @@ std::vector<SurfacePoint> surface_points(const CollisionSurface& surface, const 
   std::vector<SurfacePoint> points;
   if (rule.corner_weight > 0.0) {
     for (const auto& triangle : surface.triangles()) {
-      for (const std::int32_t vertex : triangle.vertices) {
-        points.push_back({{vertex}, {1.0}, 1, triangle.group, rule.corner_weight * triangle.area});
+      const double weight = triangle.is_segment() ? rule.end_weight : rule.corner_weight;
+      for (const std::int32_t vertex : triangle.corners()) {
+        points.push_back({{vertex}, {1.0}, 1, triangle.group, weight * triangle.area});
       }
     }
     const auto place = [](const SurfacePoint& point) { return std::pair(point.nodes[0], point.group); };
@@ -153,8 +157,9 @@ std::vector<SurfacePoint> surface_points(const CollisionSurface& surface, const 
     points.resize(kept);
   }
   for (const auto& triangle : surface.triangles()) {
-    for (const RulePoint& inner : rule.inner_points) {
-      points.push_back({triangle.vertices, inner.barycentric, 3, triangle.group, inner.weight * triangle.area});
+    const auto num_nodes = static_cast<int>(triangle.corners().size());
+    for (const RulePoint& inner : triangle.is_segment() ? rule.points_of_segment : rule.inner_points) {
+      points.push_back({triangle.vertices, inner.barycentric, num_nodes, triangle.group, inner.weight * triangle.area});
     }
   }
   return points;
@@ -203,7 +208,8 @@ std::vector<EdgePair> edge_pairs(const CollisionSurface& surface, std::span<cons
     const auto [a0, a1] = a.vertices;
     const auto [b0, b1] = b.vertices;
     if (!(closest_edge_edge(std::array{x[a0], x[a1], x[b0], x[b1]}).squared_distance < reach * reach)) continue;
-    pairs.push_back({pair.first, pair.second, 0.25 * edge_share * (a.area + b.area),
+    const double share = a.is_loose && b.is_loose ? 1.0 : edge_share;
+    pairs.push_back({pair.first, pair.second, 0.25 * share * (a.area + b.area),
                      mollifier_threshold(std::array{X[a0], X[a1], X[b0], X[b1]})});
   }
   return pairs;
@@ -315,7 +321,8 @@ PairGeometry geometry_of(const CollisionSurface& surface, std::span<const Surfac
                               [&](const auto& closest) { return sign_of(surface, pair, closest, x); });
   };
   const auto with = [&]<int B>(const std::array<std::int32_t, B>& feature) {
-    return point.num_nodes == 1 ? between.template operator()<1, B>(feature)
+    if (point.num_nodes == 1) return between.template operator()<1, B>(feature);
+    return point.num_nodes == 2 ? between.template operator()<2, B>(feature)
                                 : between.template operator()<3, B>(feature);
   };
   PairGeometry result;

@@ -14,6 +14,10 @@
 /// with a barrier no vertex passes a triangle and no edge another. Only the first sum makes a uniform pressure; the
 /// second adds to it where edges cross, so that edge_share should be small.
 ///
+/// A segment of a rod (collision/surface.hpp) is a triangle that is nothing but its edge: what its points see, and what
+/// others see of it, is the same sum, in which two segments at a vertex have m_v = -1. Its points have areas of its
+/// thickness. Where edges of two rods cross there is nothing but the second sum, which counts fully for them.
+///
 /// Features on which a triangle, its edges and vertices agree are counted first, as whole numbers, and kept where the
 /// count is not zero: over a flat surface one pair per point, so that nothing cancels in rounding. The counts of a
 /// feature are complete if all triangles at the feature are among the candidates, whatever else is missing.
@@ -37,15 +41,18 @@ struct RulePoint {
   double weight = 0.0;
 };
 
-/// Weights of one triangle: 3 corner_weight + sum of those of the inner points = 1.
+/// Weights of one triangle: 3 corner_weight + sum of those of the inner points = 1; and of one segment, with as many
+/// inner points: 2 end_weight + sum = 1. Their third barycentric coordinates are 0.
 struct ContactRule {
   double corner_weight = 1.0 / 3.0;
   std::vector<RulePoint> inner_points;
+  double end_weight = 1.0 / 2.0;
+  std::vector<RulePoint> points_of_segment;
 };
 
 /// The corners with 1/20 each and three inner points with 17/60, exact for quadratic functions. The points are about
 /// evenly spread: what they exert on the nodes of another mesh is the more uniform (two fifths of what the corners with
-/// 1/12 and the centre with 3/4 leave of non-uniformity).
+/// 1/12 and the centre with 3/4 leave of non-uniformity). On segments Lobatto's rule of five points, of degree 7.
 ContactRule quadratic_contact_rule();
 
 /// Which groups of triangles (SurfaceTriangle::group) may touch: a symmetric matrix by rows.
@@ -76,7 +83,7 @@ class FeatureMultiplicities {
   std::vector<std::int16_t> edges_, vertices_;  // of each group, one after another
 };
 
-/// A vertex (num_nodes 1) or a point inside a triangle (3), as a point of the triangles of one group.
+/// A vertex (num_nodes 1) or a point inside a segment (2) or a triangle (3), as a point of the triangles of one group.
 struct SurfacePoint {
   std::array<std::int32_t, 3> nodes{};
   std::array<double, 3> weights{};
@@ -87,8 +94,8 @@ struct SurfacePoint {
   Vector3<double> position(std::span<const Vector3<double>> x) const;
 };
 
-/// The vertices, in their order, and those of several groups once for each; then the inner points of the triangles in
-/// theirs. Those of zero weight are left out.
+/// The vertices, in their order, and those of several groups once for each; then the inner points of the triangles and
+/// segments in theirs. Those of zero weight are left out.
 std::vector<SurfacePoint> surface_points(const CollisionSurface& surface, const ContactRule& rule);
 
 /// Points (first) and triangles (second) within `distance` [m] whose nodes are not the same, sorted.
@@ -260,10 +267,13 @@ double add_point_pairs(const CollisionSurface& surface, std::span<const SurfaceP
     scatter<A + B>(U, weight, at.nodes, order, add_force, add_block);
   };
   const auto add_of = [&]<int B>(const PointPair& pair, const std::array<std::int32_t, B>& feature) {
-    if (points[pair.point].num_nodes == 1) {
-      add.template operator()<1, B>(pair, feature);
-    } else {
-      add.template operator()<3, B>(pair, feature);
+    switch (points[pair.point].num_nodes) {
+      case 1:
+        return add.template operator()<1, B>(pair, feature);
+      case 2:
+        return add.template operator()<2, B>(pair, feature);
+      default:
+        return add.template operator()<3, B>(pair, feature);
     }
   };
   for (const PointPair& pair : pairs) {

@@ -27,8 +27,9 @@ Points points_on(const SurfaceFacet& triangle, std::span<const Vector3<double>> 
 /// Whether an edge of the first triangle that shares no vertex with the second one meets it.
 bool passes_through(const CollisionSurface& surface, std::span<const Vector3<double>> x, const SurfaceFacet& of_edges,
                     const SurfaceFacet& triangle) {
+  if (triangle.is_segment()) return false;
   const auto [a, b, c] = triangle.vertices;
-  for (const std::int32_t edge : of_edges.edges) {
+  for (const std::int32_t edge : of_edges.sides()) {
     const auto& ends = surface.edges()[edge].vertices;
     if (surface.is_incident(triangle, ends[0]) || surface.is_incident(triangle, ends[1])) continue;
     if (segment_meets_triangle({x[ends[0]], x[ends[1]]}, {x[a], x[b], x[c]})) return true;
@@ -74,6 +75,8 @@ class OverlapFinder {
   }
 
  private:
+  bool is_thin(std::int32_t body) const { return surface_.triangles()[of_body_.at(body).front()].is_thin(); }
+
   /// Whether one body's box lies within the other's, and some of their triangles may touch.
   bool may_contain(const std::vector<std::int32_t>& mine, const std::vector<std::int32_t>& theirs) const {
     const auto bounds = [&](const std::vector<std::int32_t>& numbers) {
@@ -102,6 +105,7 @@ class OverlapFinder {
 
   SurfaceOverlap overlap_of(std::int32_t body, std::int32_t other, const std::vector<BoxPair>& pairs) {
     SurfaceOverlap overlap{body, other, {}, 0, 0.0, {}};
+    overlap.is_thin = is_thin(body) || is_thin(other);
     std::map<std::int32_t, double> depths;  // of each triangle
     for (const BoxPair& pair : pairs) {
       for (const std::int32_t t : {pair.first, pair.second}) depths[t] = 0.0;
@@ -134,11 +138,12 @@ class OverlapFinder {
   }
 
   /// The depths of triangles of `body` below the surface of `other`. Where that is open only those that pass through it
-  /// are asked: elsewhere it has no inside.
+  /// are asked: elsewhere it has no inside. What is thin has none at all.
   template <class Include>
   void add_depths(std::int32_t body, std::int32_t other, std::map<std::int32_t, double>& depths,
                   const Include& include) const {
     const auto& theirs = of_body_.at(other);
+    if (is_thin(other)) return;
     const TriangleTree tree(surface_, x_, theirs);
     const DepthBelow depth_below(tree);
     const auto& bounds = tree.nodes()[0].bounds;

@@ -23,6 +23,7 @@ struct SurfaceOverlap {
   int num_places = 0;                          ///< parts of these triangles that hang together
   double depth = 0.0;       ///< the greatest of them; 0 where surfaces only touch, or of one body [m]
   Vector3<double> place{};  ///< where that is [m]
+  bool is_thin = false;     ///< one of the bodies is a shell or a rod
 };
 
 /// All overlaps at positions `x` of triangles whose groups may touch, by body, then other. A body that lies wholly in

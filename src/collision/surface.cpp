@@ -25,12 +25,14 @@ std::vector<SurfaceVertex> used_vertices(std::span<const SurfaceVertex> vertices
   return sorted;
 }
 
-/// The vertex of the least number first.
-void rotate_to_least(std::array<std::int32_t, 3>& vertices) {
-  std::ranges::rotate(vertices, std::ranges::min_element(vertices));
-}
-
 }  // namespace
+
+std::array<std::int32_t, 3> in_lasting_order(std::array<std::int32_t, 3> corners) {
+  const auto [a, b, c] = corners;
+  if (b == c) return {std::min(a, b), std::max(a, b), std::max(a, b)};
+  std::ranges::rotate(corners, std::ranges::min_element(corners));
+  return corners;
+}
 
 CollisionSurface::CollisionSurface(std::span<const SurfaceVertex> vertices,
                                    std::span<const SurfaceTriangle> triangles) {
@@ -41,40 +43,62 @@ CollisionSurface::CollisionSurface(std::span<const SurfaceVertex> vertices,
     rest_positions_.push_back(sorted[n].X);
   }
   for (const auto& given : triangles) {
-    Triangle triangle{.body = given.body, .group = given.group};
+    Triangle triangle{.body = given.body, .group = given.group, .thickness = given.thickness};
     for (int k = 0; k < 3; ++k) {
       const auto place = std::ranges::lower_bound(sorted, given.vertices[k], {}, &SurfaceVertex::key);
       triangle.vertices[k] = static_cast<std::int32_t>(place - sorted.begin());
     }
-    rotate_to_least(triangle.vertices);
+    triangle.vertices = in_lasting_order(triangle.vertices);
     const auto [a, b, c] = triangle.vertices;
-    if (a == b || b == c || c == a) throw std::invalid_argument("a collision triangle has a vertex twice");
-    triangle.area = 0.5 * norm(cross(rest_positions_[b] - rest_positions_[a], rest_positions_[c] - rest_positions_[a]));
+    const bool is_segment = b == c && triangle.is_thin();
+    if (a == b || c == a || (b == c && !is_segment)) {
+      throw std::invalid_argument("a collision triangle has a vertex twice");
+    }
+    const Vector3<double> ab = rest_positions_[b] - rest_positions_[a];
+    triangle.area =
+        is_segment ? triangle.thickness * norm(ab) : 0.5 * norm(cross(ab, rest_positions_[c] - rest_positions_[a]));
     triangles_.push_back(triangle);
   }
   std::ranges::sort(triangles_, {}, &Triangle::vertices);
+  const auto is_repeated = [](const Triangle& one, const Triangle& next) {
+    return next.is_segment() && one.vertices == next.vertices;
+  };
+  triangles_.erase(std::unique(triangles_.begin(), triangles_.end(), is_repeated), triangles_.end());
+  number_edges();
   for (const Triangle& triangle : triangles_) {
-    for (int k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(triangle.vertices[k], triangle.vertices[(k + 1) % 3]);
-      edges_.push_back({.vertices = {low, high}, .body = triangle.body});
+    for (const std::int32_t edge : triangle.sides()) {
+      edges_[edge].area += triangle.area / static_cast<double>(triangle.sides().size());
     }
-  }
-  std::ranges::sort(edges_, {}, &Edge::vertices);
-  edges_.erase(std::ranges::unique(edges_, {}, &Edge::vertices).begin(), edges_.end());
-  for (Triangle& triangle : triangles_) {
-    for (int k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(triangle.vertices[k], triangle.vertices[(k + 1) % 3]);
-      const auto place = std::ranges::lower_bound(edges_, std::array{low, high}, {}, &Edge::vertices);
-      triangle.edges[k] = static_cast<std::int32_t>(place - edges_.begin());
-      place->area += triangle.area / 3.0;
-      Vertex& vertex = vertices_[triangle.vertices[k]];
-      vertex.area += triangle.area / 3.0;
-      vertex.body = triangle.body;
+    for (const std::int32_t v : triangle.corners()) {
+      vertices_[v].area += triangle.area / static_cast<double>(triangle.corners().size());
+      vertices_[v].body = triangle.body;
     }
   }
   for (const Edge& edge : edges_) {
     longest_edge_ =
         std::max(longest_edge_, norm(rest_positions_[edge.vertices[1]] - rest_positions_[edge.vertices[0]]));
+  }
+}
+
+void CollisionSurface::number_edges() {
+  const auto ends = [](const Triangle& triangle, std::size_t k) {
+    const auto [low, high] = std::minmax(triangle.vertices[k], triangle.vertices[(k + 1) % 3]);
+    return std::array{low, high};
+  };
+  for (const Triangle& triangle : triangles_) {
+    for (std::size_t k = 0; k < triangle.sides().size(); ++k) {
+      edges_.push_back({.vertices = ends(triangle, k), .body = triangle.body, .is_loose = true});
+    }
+  }
+  std::ranges::sort(edges_, {}, &Edge::vertices);
+  edges_.erase(std::ranges::unique(edges_, {}, &Edge::vertices).begin(), edges_.end());
+  for (Triangle& triangle : triangles_) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto of = ends(triangle, triangle.is_segment() ? 0 : k);
+      const auto place = std::ranges::lower_bound(edges_, of, {}, &Edge::vertices);
+      triangle.edges[k] = static_cast<std::int32_t>(place - edges_.begin());
+      place->is_loose = place->is_loose && triangle.is_segment();
+    }
   }
 }
 

@@ -11,6 +11,21 @@
 
 namespace pliant {
 
+namespace {
+
+/// Along its surface, what is thin does not feel itself over this multiple of the distance that it keeps: a rod, bent
+/// to a circle of 1.3 radii, still does not touch itself there.
+constexpr double neighbour_part = 3.0;
+
+/// How thick the surface of each body is [m]; 0: a solid.
+std::vector<double> thicknesses(const CollisionSurface& surface, std::size_t num_bodies) {
+  std::vector<double> result(num_bodies, 0.0);
+  for (const auto& triangle : surface.triangles()) result[triangle.body] = triangle.thickness;
+  return result;
+}
+
+}  // namespace
+
 std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num_bodies, double triangles_per_facet) {
   std::vector<double> area(num_bodies, 0.0), number(num_bodies, 0.0), size(num_bodies, 0.0);
   for (const auto& triangle : surface.triangles()) {
@@ -34,16 +49,30 @@ BodyContactLaws body_contact_laws(const ContactConfig& config, const ContactPair
   };
   const auto stiffness = given(&ContactPairConfig::stiffness, common.stiffness);
   const auto width = given(&ContactPairConfig::width, common.width);
-  const double threshold = given(&ContactPairConfig::thickness, common.threshold).value_or(0.0);
+  const std::vector<double> thick = thicknesses(surface, n);
+  const auto threshold_of = [&](std::size_t a, std::size_t b) {
+    if (pair != nullptr && pair->thickness) return *pair->thickness;
+    return common.threshold + 0.5 * (thick[a] + thick[b]);
+  };
   const NormalKind kind = config.law_of(pair);
   const double widest = width.value_or(width_per_facet * *std::ranges::max_element(sizes));
-  const double far = 2.0 * widest + threshold;
-  const auto at_rest = least_distances(surface, surface.rest_positions(), static_cast<int>(n), far),
-             at_start = least_distances(surface, start, static_cast<int>(n), far);
-  BodyContactLaws laws{static_cast<int>(n), {}};
+  BodyContactLaws laws{static_cast<int>(n), {}, {}};
+  double thickest = 0.0;
+  for (std::size_t a = 0; a < n; ++a) {
+    for (std::size_t b = 0; b < n; ++b) {
+      const bool is_thin = thick[a] > 0.0 || thick[b] > 0.0;
+      thickest = std::max(thickest, threshold_of(a, b));
+      laws.neighbour_distances.push_back(is_thin ? neighbour_part * threshold_of(a, b) : 0.0);
+    }
+  }
+  const SurfaceNeighbours neighbours(surface, laws.num_bodies, laws.neighbour_distances);
+  const double far = 2.0 * widest + thickest;
+  const auto at_rest = least_distances(surface, surface.rest_positions(), laws.num_bodies, far, neighbours),
+             at_start = least_distances(surface, start, laws.num_bodies, far, neighbours);
   for (std::size_t a = 0; a < n; ++a) {
     for (std::size_t b = 0; b < n; ++b) {
       // Parts of one body that are near each other at the start only are folded: there is no room to leave.
+      const double threshold = threshold_of(a, b);
       const double apart = a == b ? at_rest[n * a + b] : std::min(at_rest[n * a + b], at_start[n * a + b]);
       const double h = std::min(sizes[a], sizes[b]), room = apart - threshold;
       if (kind == NormalKind::barrier && a == b && h > 0.0 && !(room > 0.0)) {
@@ -54,8 +83,10 @@ BodyContactLaws body_contact_laws(const ContactConfig& config, const ContactPair
       }
       NormalLaw law{kind, 1.0, width.value_or(width_per_facet * h), threshold};
       if (h > 0.0) {
-        const double k_a = shear_moduli_per_facet * shear_moduli[a] / sizes[a];
-        const double k_b = shear_moduli_per_facet * shear_moduli[b] / sizes[b];
+        const auto stiffness_at = [&](std::size_t body) {
+          return shear_moduli_per_facet * contact_modulus(shear_moduli[body], thick[body], sizes[body]) / sizes[body];
+        };
+        const double k_a = stiffness_at(a), k_b = stiffness_at(b);
         law.stiffness = stiffness.value_or(2.0 * k_a * k_b / (k_a + k_b));
         // Nothing pushes within a body at rest, nor between bodies at the start unless the user wants so.
         if (kind == NormalKind::barrier && room > 0.0 && (a == b || !width))

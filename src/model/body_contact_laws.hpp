@@ -20,9 +20,11 @@ struct BodyStiffnesses {
 /// The size of a facet of each body: the legs of a right triangle of the mean area [m]; 0 of bodies without any.
 std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num_bodies, double triangles_per_facet);
 
+/// Surfaces keep the distance `thickness` of the entry or, without it, the threshold of all contact and half of the
+/// thickness of free shells and rods on either side.
+///
 /// `pair`: the entry of `contact.pairs`; nullptr: `all`. `start`: positions of the vertices at the start [m].
-/// Throws InputError where a body is thinner than the
-/// distance that its surface has to keep from itself.
+/// Throws InputError where a body is thinner than the distance that its surface has to keep from itself.
 BodyContactLaws body_contact_laws(const ContactConfig& config, const ContactPairConfig* pair,
                                   const BodyStiffnesses& bodies, const CollisionSurface& surface,
                                   std::span<const Vector3<double>> start, double triangles_per_facet);

@@ -135,7 +135,7 @@ void BodyContacts::add(const TouchingSurfaces& touching, const std::vector<doubl
   part->facets_of_body.assign(body_names_.size(), 0.0);
   for (PetscInt facet = 0; facet < touching.facets.size(); ++facet) {
     if (!touching.facets.is_owned[facet]) continue;
-    const auto [body, set] = touching.sides[facet];
+    const auto [body, set, thickness] = touching.sides[facet];
     part->facets_of_body[body] += 1.0;
     for (std::size_t k = 0; k < 2; ++k) part->facets_of_side[k] += touching.set_is_on_side[set][k] ? 1.0 : 0.0;
   }
@@ -378,7 +378,7 @@ void BodyContacts::summarize(std::span<const double> q, ContactSummary& summary)
     const auto triangles = surface.triangles();
     const double far = std::max(surface.longest_edge(), part->laws.reach());
     const auto may_touch = [&](std::int32_t s, std::int32_t t) {
-      return part->sets(triangles[s].group, triangles[t].group);
+      return part->sets(triangles[s].group, triangles[t].group) && !part->bodies->are_neighbours(s, t);
     };
     const auto tree_of = [&](const auto& belongs) {
       std::vector<std::int32_t> numbers;

@@ -110,9 +110,10 @@ StartGap start_gap(MPI_Comm comm, const ContactSurface& surface, const ObstacleF
   return least;
 }
 
-/// Area of the triangle of a facet's corners [m^2].
-double corner_area(const NodeLayout& layout, std::span<const PetscInt> nodes) {
+/// Area of the triangle of a facet's corners, or of a segment of a rod [m^2].
+double corner_area(const NodeLayout& layout, std::span<const PetscInt> nodes, double thickness) {
   const auto X = layout.position(nodes[0]);
+  if (is_segment(nodes)) return thickness * norm(layout.position(nodes[1]) - X);
   return 0.5 * norm(cross(layout.position(nodes[1]) - X, layout.position(nodes[2]) - X));
 }
 
@@ -150,7 +151,7 @@ void Contacts::add_surfaces(const ContactBodies& bodies) {
   std::vector<FacetList> facets(body_names_.size());
   for (FacetList& list : facets) list.nodes_per_facet = all.nodes_per_facet;
   surface_of_node_.assign(static_cast<std::size_t>(layout_.num_owned_nodes), -1);
-  const CellOfFacets cell_of(layout_, all);
+  const CellOfFacets cell_of(layout_, all, bodies.thin);
   std::vector<double> area(body_names_.size(), 0.0), number(body_names_.size(), 0.0);
   for (PetscInt f = 0; f < all.size(); ++f) {
     const auto nodes = std::span(all.nodes).subspan(f * n, n);
@@ -168,7 +169,7 @@ void Contacts::add_surfaces(const ContactBodies& bodies) {
       if (a < layout_.num_owned_nodes) surface_of_node_[a] = body;
     }
     if (!all.is_owned[f]) continue;
-    area[body] += corner_area(layout_, nodes);
+    area[body] += corner_area(layout_, nodes, bodies.thin.thickness[body]);
     number[body] += 1.0;
   }
   for (std::size_t b = 0; b < facets.size(); ++b) {
@@ -176,9 +177,12 @@ void Contacts::add_surfaces(const ContactBodies& bodies) {
     const double size = count > 0.0 ? std::sqrt(2.0 * total / count) : 1.0;  // legs of a right triangle
     facet_sizes_.push_back(size);
     const ContactPressureConfig& given = config_.pressure;
-    const NormalLaw law{given.law, given.stiffness.value_or(shear_moduli_per_facet * bodies.shear_moduli[b] / size),
-                        given.width.value_or(width_per_facet * size), given.threshold};
-    surfaces_.push_back(std::make_shared<const ContactSurface>(layout_, bodies.pattern, std::move(facets[b]), law));
+    const double thickness = bodies.thin.thickness[b];
+    const double modulus = contact_modulus(bodies.shear_moduli[b], thickness, size);
+    const NormalLaw law{given.law, given.stiffness.value_or(shear_moduli_per_facet * modulus / size),
+                        given.width.value_or(width_per_facet * size), given.threshold + 0.5 * thickness};
+    surfaces_.push_back(std::make_shared<const ContactSurface>(layout_, bodies.pattern, std::move(facets[b]), law,
+                                                               bodies.thin.is_rod[b] != 0 ? thickness : 0.0));
     if (count == 0.0) continue;
     description_.push_back(
         note(fmt::format("contact of '{}': {:.0f} facets of about {:.3g} m, stiffness {:.3g} Pa/m, width {:.3g} m",
@@ -253,11 +257,11 @@ std::optional<Diagnostic> Contacts::warning_about_push(std::size_t obstacle, std
   // Beyond a barrier check_start throws. A surface that just touches may overlap by rounding. Without inertia a push is
   // a load like any other.
   if (!std::isfinite(energy) ||
-      gap > surface.law().reach() - config_.pressure.threshold - least_push * surface.law().width ||
+      gap > surface.law().reach() - surface.law().threshold - least_push * surface.law().width ||
       (!has_inertia_ && -gap <= facet_sizes_[body])) {
     return std::nullopt;
   }
-  const double distance = gap + config_.pressure.threshold;
+  const double distance = gap + surface.law().threshold;
   const std::string place = distance < 0.0
                                 ? fmt::format("{:.3g} m deep in the obstacle '{}'", -distance, o.name)
                                 : fmt::format("{:.3g} m from the obstacle '{}', where contact acts", distance, o.name);
@@ -405,9 +409,11 @@ std::vector<NodalContact> Contacts::at_nodes(const Instant& at, double dt, std::
       NodalContact& node = result[a];
       const auto x = layout_.position(a) + vector_at(q, a);
       const DistanceAt distance = frame.at(x);
-      node.gap = std::min(node.gap, distance.d - config_.pressure.threshold);
-      if (surface_of_node_[a] < 0) continue;
-      const double pressure = surfaces_[surface_of_node_[a]]->law()(distance.d).pressure;
+      const int body = surface_of_node_[a];
+      const double threshold = body < 0 ? config_.pressure.threshold : surfaces_[body]->law().threshold;
+      node.gap = std::min(node.gap, distance.d - threshold);
+      if (body < 0) continue;
+      const double pressure = surfaces_[body]->law()(distance.d).pressure;
       if (pressure <= 0.0) continue;
       node.pressure += pressure;
       const auto relative = vector_at(v, a) - frame.velocity(x);

@@ -18,15 +18,16 @@ namespace pliant {
 
 /// What can touch obstacles; must outlive the terms.
 struct ContactBodies {
-  const FacetList& facets;  ///< of the surface; may touch
+  const FacetList& facets;  ///< of the surface, and segments of rods; may touch
   const NodeLayout& layout;
   const BlockPattern& pattern;
   const std::vector<int>& body_of_cell;     ///< per local cell
   const std::vector<std::string>& names;    ///< of the bodies
   const std::vector<double>& shear_moduli;  ///< per body, of its stiffest part at rest [Pa]
   const std::vector<char>& prescribed;      ///< one flag per local entry
-  const std::vector<double>& start;         ///< displacements of local nodes at the start [m]
-  std::span<const char> is_left_out;        ///< local cells that are not of the mesh (cells_without_mesh)
+  const ThinBodies& thin;
+  const std::vector<double>& start;   ///< displacements of local nodes at the start [m]
+  std::span<const char> is_left_out;  ///< local cells that are not of the mesh (cells_without_mesh)
 };
 
 /// Contact at a node.

@@ -18,7 +18,7 @@ constexpr double stiffness_ratio = 1000.0;
 
 /// The largest shear modulus of the bodies that have the facets [Pa]. Collective.
 double shear_modulus_at(const BodiesOnMesh& bodies, const FacetList& facets, std::span<const double> shear_moduli) {
-  const CellOfFacets cells(bodies.layout, facets);
+  const CellOfFacets cells(bodies.layout, facets, {});
   double largest = 0.0;
   for (PetscInt f = 0; f < facets.size(); ++f) {
     const auto cell = cells(facets.nodes_of(f));

@@ -11,6 +11,7 @@
 #include "model/events.hpp"
 #include "model/initial_displacement.hpp"
 #include "model/joint_efforts.hpp"
+#include "model/may_touch.hpp"
 #include "model/mesh_cell_data.hpp"
 #include "model/mesh_source.hpp"
 #include "model/method_warnings.hpp"
@@ -193,21 +194,17 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   shells_ = find_shells(config, layout_, selections);
   LoadParts load_parts =
       find_loads(config, {layout_, *pattern_, body_of_cell_, densities_, rods_, shells_}, selections);
-  FacetList touching;
-  std::vector<TouchingSurfaces> touching_each_other;
+  MayTouch may_touch;
   if (config.contact) {
-    auto together = tied_surfaces(config);
-    std::ranges::move(attached_surfaces(config), std::back_inserter(together));
-    touching_each_other = find_touching_surfaces(*config.contact, together, {layout_, body_of_cell_}, selections);
-    touching = selections.outer_facets(config.contact->part, config.contact->where, "where nothing can be touched");
+    may_touch = find_what_may_touch(config, layout_, body_of_cell_, rods_, selections);
     if (as_meshed) {
-      include(adjust_start(*config.contact, touching_each_other, body_names_, config.initial.displacement,
+      include(adjust_start(*config.contact, may_touch.each_other, body_names_, config.initial.displacement,
                            selections.facets(Selection{}), *as_meshed, layout_));
     }
   }
   field_regions_ = find_field_regions(config, layout_, cells_without_mesh(config, body_of_cell_), selections);
   constraints_ = std::make_unique<Constraints>(config, layout_, selections);
-  require_factorization(config, constraints_->map() == nullptr && touching_each_other.empty());
+  require_factorization(config, constraints_->map() == nullptr && may_touch.each_other.empty());
   include(constraints_->description());
   const std::vector<char> left_out = cells_without_places(config, body_of_cell_);
   const BodiesOnMesh bodies{config, layout_, body_of_cell_, left_out};
@@ -236,15 +233,15 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
     const std::vector<char> not_of_mesh = cells_without_mesh(config, body_of_cell_);
     contacts_ = std::make_unique<Contacts>(
         *config.contact, analysis_of(config),
-        ContactBodies{touching, layout_, *pattern_, body_of_cell_, body_names_, shear_moduli_,
-                      constraints_->prescribed().flags(), initial_displacement(config.initial.displacement, layout_),
-                      not_of_mesh},
-        touching_each_other);
+        ContactBodies{may_touch.obstacles, layout_, *pattern_, body_of_cell_, body_names_,
+                      may_touch.moduli(shear_moduli_), constraints_->prescribed().flags(), may_touch.thin,
+                      initial_displacement(config.initial.displacement, layout_), not_of_mesh},
+        may_touch.each_other);
     include(contacts_->description());
   }
 
   find_components(config, selections);
-  are_kept_apart_ = components_kept_apart(layout_.comm, components_, touching_each_other);
+  are_kept_apart_ = components_kept_apart(layout_.comm, components_, may_touch.each_other);
   are_without_surface_ = components_of_rigid_bodies(config, layout_, components_, body_of_cell_);
   for (std::size_t k = 0; k < are_kept_apart_.size(); ++k) {
     if (is_without_surface(k)) are_kept_apart_[k] = 1;

@@ -178,8 +178,7 @@ FacetList Selections::facets(const Selection& part) {
     if (g == nullptr) return result;
     result = facets_of_group(mesh_, layout_, *g);
   } else if (part.kind == Selection::Kind::everything) {
-    result = without(surface_facets(mesh_, layout_, [](const auto&) { return true; }),
-                     {Added::without_surface, Added::inert});
+    result = whole_surface();
   } else {
     result = without(surface_facets(mesh_, layout_, region(part)),
                      {Added::with_surface, Added::without_surface, Added::inert});
@@ -190,6 +189,11 @@ FacetList Selections::facets(const Selection& part) {
                        describe(part)));
   }
   return result;
+}
+
+FacetList Selections::whole_surface() const {
+  return without(surface_facets(mesh_, layout_, [](const auto&) { return true; }),
+                 {Added::without_surface, Added::inert});
 }
 
 FacetList Selections::outer_facets(const Selection& part, const Location& where, const std::string& reason) {

@@ -28,6 +28,8 @@ class Selections {
   std::vector<PetscInt> nodes(const Selection& part);
   /// Facets of a surface group, or of the whole surface of the bodies, or of the part in a box or region. Collective.
   FacetList facets(const Selection& part);
+  /// Facets of the whole surface of the bodies; there may be none where all bodies are rods. Collective.
+  FacetList whole_surface() const;
   /// Facets of the outer surface only: facets inside the mesh are an error at `where`, with the reason. Collective.
   FacetList outer_facets(const Selection& part, const Location& where, const std::string& reason);
   /// Whether the mesh has such a group. Not collective, and no error.

@@ -65,7 +65,7 @@ MembraneTerms membrane_of(const ShellConfig& config, const NodeLayout& layout, c
 /// D = E h^3 / (12 (1 - nu^2)) of the thickness h that the layer has on the surface.
 std::unique_ptr<ShellBending> bending_of(const ShellConfig& config, const NodeLayout& layout, const ModelShell& shell) {
   const ElasticityRule rule(config.elasticity);
-  const double h = shape_of(config).volume_per_area();
+  const double h = thickness_at_start(config);
   const auto stiffness = [&](const std::array<double, 3>& X) {
     const ElasticLawSpec law = rule.law_at(0, X);
     require_compressible_layer(law, config);
@@ -99,6 +99,10 @@ void check_plane(const NodeLayout& layout, const EdgeList& edges, const Vector3<
 }
 
 }  // namespace
+
+double thickness_at_start(const ShellConfig& config) {
+  return shape_of(config).volume_per_area();
+}
 
 bool has_free_shells(const Config& config) {
   return std::ranges::any_of(config.shells, &ShellConfig::is_free);
@@ -171,7 +175,7 @@ ModelShells find_shells(const Config& config, const NodeLayout& layout, Selectio
       edges.normal = unit(Vector3<double>(*edge.normal));
       check_plane(layout, edges.edges, *edges.normal, edge.part, selections);
     }
-    on_mesh.mass_per_area = shell.density.value_or(0.0) * shape_of(shell).volume_per_area();
+    on_mesh.mass_per_area = shell.density.value_or(0.0) * thickness_at_start(shell);
     on_mesh.area = sum(layout.comm, owned_area(layout, on_mesh.facets));
     const auto owned = std::ranges::count_if(on_mesh.facets.is_owned, [](char is_owned) { return is_owned != 0; });
     on_mesh.num_facets = sum(layout.comm, static_cast<PetscInt64>(owned));

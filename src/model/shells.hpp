@@ -31,6 +31,8 @@ struct ModelShell {
 bool has_free_shells(const Config& config);
 /// Adds free shells to the bodies, after the others.
 void add_bodies_of_shells(Config& config);
+/// How thick a shell is where it is put on, stretched [m].
+double thickness_at_start(const ShellConfig& config);
 /// What free shells add to the mesh.
 std::vector<AddedShell> added_shells(const Config& config);
 /// One flag per local cell: whether it is one of a free shell; empty if none is.

@@ -44,11 +44,17 @@ class EntryAdjuster {
  public:
   EntryAdjuster(const ContactConfig& config, const TouchingSurfaces& touching, std::size_t num_bodies,
                 const NodeLayout& layout)
-      : touching_(touching), num_bodies_(num_bodies), through_nodes_(make(layout, FacetVertices::nodes)) {
+      : touching_(touching),
+        num_bodies_(num_bodies),
+        is_thin_(num_bodies, 0),
+        through_nodes_(make(layout, FacetVertices::nodes)) {
     if (touching.facets.nodes_per_facet == 6) with_means_.emplace(make(layout, FacetVertices::mean));
     const auto* pair = touching.config;
     width_ = pair != nullptr && pair->width ? pair->width : config.pressure.width;
     threshold_ = pair != nullptr && pair->thickness ? *pair->thickness : config.pressure.threshold;
+    for (const auto& triangle : through_nodes_.surface().triangles()) {
+      if (triangle.is_thin()) is_thin_[triangle.body] = 1;
+    }
   }
 
   /// Moves the nodes' positions; returns what was done. Rank-local, and the same on every rank.
@@ -84,7 +90,7 @@ class EntryAdjuster {
   std::vector<Adjustment> overlaps(std::span<const Vector3<double>> nodes) const {
     std::vector<Adjustment> found;
     const auto include = [&](std::size_t body, std::size_t other, double depth, bool is_too_near) {
-      if (body == other) return;
+      if (body == other || is_thin_[body] != 0 || is_thin_[other] != 0) return;
       const auto same = std::ranges::find_if(
           found, [&](const Adjustment& known) { return known.body == body && known.other == other; });
       if (same != found.end()) {
@@ -111,6 +117,7 @@ class EntryAdjuster {
 
   const TouchingSurfaces& touching_;
   std::size_t num_bodies_;
+  std::vector<char> is_thin_;  // of each body: it is a shell or a rod, which is not moved
   BodySurfaces through_nodes_;
   std::optional<BodySurfaces> with_means_;
   std::optional<double> width_;

@@ -14,7 +14,7 @@ namespace pliant {
 /// Moves nodes of the reference configuration, before anything is built on it, so that bodies that may touch and that
 /// overlap by less than the size of a facet, touch, or are nearer than their threshold, start apart. Their surfaces
 /// move, and the nodes inside them follow, so that no element is flattened; there is no strain. Bodies that are apart
-/// stay as they are.
+/// stay as they are, as do free shells and rods.
 ///
 /// `displacement`: at the start. `boundary`: all facets of the bodies. `as_meshed`: the layout as it is at first.
 /// Returns a note for each two bodies that were moved. Throws InputError where an element would lose most of its

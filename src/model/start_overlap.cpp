@@ -20,12 +20,13 @@ std::string describe(const SurfaceOverlap& overlap, const std::vector<std::strin
   }
   const std::string pair = fmt::format("'{}' and '{}'", body, body_names[static_cast<std::size_t>(overlap.other)]);
   constexpr double deepest_resolved = 0.25;  // relative to a facet; more seldom succeeds
-  const bool may_resolve = start == ContactStart::as_meshed && overlap.depth < deepest_resolved * size;
+  const bool may_resolve =
+      start == ContactStart::as_meshed && !overlap.is_thin && overlap.depth < deepest_resolved * size;
   const std::string advice = fmt::format("{}, or exclude them from contact ('exclude')",
                                          may_resolve ? "let 'start: resolve' move them apart" : "move one of them");
   if (!(overlap.depth > 0.0)) {
-    return fmt::format("{} touch {}, near {}, and the barrier needs a gap between them, however small; {}", pair, where,
-                       place, advice);
+    return fmt::format("{} {} {}, near {}, and the barrier needs a gap between them, however small; {}", pair,
+                       overlap.is_thin ? "touch or pass through each other" : "touch", where, place, advice);
   }
   return fmt::format("{} overlap {}, {:.3g} m deep at {}, which {}; {}", pair, where, overlap.depth, place,
                      is_penalty ? "is too deep for a penalty to part them" : "the barrier does not allow", advice);

@@ -57,7 +57,7 @@ std::optional<SurfaceTie> make_tie(const Config& config, std::size_t index, cons
            any_rank(layout.comm, std::ranges::find(facets.is_outer, 0) != facets.is_outer.end());
   };
   if (is_missing(dependent) || is_missing(independent)) return std::nullopt;  // already an error
-  const CellOfFacets cell_of(layout, independent);
+  const CellOfFacets cell_of(layout, independent, {});
   std::vector<PetscInt> cells;
   for (PetscInt f = 0; f < independent.size(); ++f) {
     const auto nodes = std::span(independent.nodes).subspan(f * independent.nodes_per_facet, 3);

@@ -63,6 +63,10 @@ class Membership {
   }
   /// Sets bits of the facets of a part of the surface, or of the outer facets of a volume. Collective.
   void add(const Selection& part, std::uint64_t mask) {
+    if (part.kind == Selection::Kind::everything) {
+      for (std::uint64_t& of_facet : masks_) of_facet |= mask;
+      return;
+    }
     if (part.kind == Selection::Kind::volume) {
       const std::vector<char> is_in = selections_.cells(part);
       for (PetscInt facet = 0; facet < facets_.size(); ++facet) {
@@ -112,6 +116,21 @@ class Membership {
       if ((masks_[facet] & both_sides) == 0 && has_side[body_of(facet)] > 0.0) masks_[facet] |= std::uint64_t{1} << bit;
     }
   }
+  /// Sets bits of rods and of the rigid body in which they end. Collective.
+  void add(const std::pair<std::string, std::vector<std::string>>& held, int bit) {
+    const auto add_volume = [&](const std::string& name, int of_part) {
+      Selection part;
+      part.kind = Selection::Kind::volume;
+      part.name = name;
+      add(part, std::uint64_t{1} << of_part);
+    };
+    add_volume(held.first, bit);
+    for (const std::string& rod : held.second) add_volume(rod, bit + 1);
+  }
+  /// Whether no facet of any rank has the bit. Collective.
+  bool is_empty(MPI_Comm comm, int bit) const {
+    return !any_rank(comm, std::ranges::any_of(masks_, [&](std::uint64_t mask) { return (mask >> bit & 1) != 0; }));
+  }
   void copy(int from, int to) {
     for (std::uint64_t& mask : masks_) mask |= (mask >> from & 1) << to;
   }
@@ -160,9 +179,67 @@ void sort_into_sets(MPI_Comm comm, const std::vector<std::uint64_t>& masks, std:
   }
 }
 
+/// Marks what never touches: parts that the input excludes, that are tied, or that hold rods. Collective.
+void add_exclusions(const ContactConfig& config, const std::vector<std::array<Selection, 2>>& tied,
+                    const LayoutOfBodies& bodies, Membership& membership) {
+  for (std::size_t k = 0; k < config.exclude.size(); ++k) {
+    for (int side = 0; side < 2; ++side) {
+      membership.add(config.exclude[k][static_cast<std::size_t>(side)],
+                     first_excluded + 2 * static_cast<int>(k) + side);
+    }
+  }
+  for (std::size_t k = 0; k < tied.size(); ++k) {
+    const int bit = first_excluded + 2 * static_cast<int>(config.exclude.size() + k);
+    membership.add_around(bodies.layout, tied[k][0], bit);
+    membership.add_around(bodies.layout, tied[k][1], bit + 1);
+  }
+  for (std::size_t k = 0; k < bodies.thin.held.size(); ++k) {
+    const std::size_t place = config.exclude.size() + tied.size() + k;
+    membership.add(bodies.thin.held[k], first_excluded + 2 * static_cast<int>(place));
+  }
+}
+
+/// Reports an entry that names a rod of which nothing is outside of a solid. Collective.
+void require_what_can_touch(const ContactPairConfig* pair, const Membership& membership, const LayoutOfBodies& bodies,
+                            Selections& selections) {
+  if (pair == nullptr) return;
+  const auto require = [&](const Located<std::string>& name, int side) {
+    const auto& names = bodies.thin.names;
+    const auto body = std::ranges::find(names, name.value) - names.begin();
+    const bool is_rod = body < std::ssize(names) && bodies.thin.is_rod[static_cast<std::size_t>(body)] != 0;
+    if (!is_rod || !membership.is_empty(bodies.layout.comm, side)) return;
+    selections.report(name.where, fmt::format("rod '{}' lies in another body, where nothing can touch it; name the "
+                                              "surface of that body",
+                                              name.value));
+  };
+  require(pair->part, first_side);
+  if (pair->with) require(*pair->with, second_side);
+}
+
+/// Reports an entry with a penalty that shells or rods take part in. Collective.
+void require_solids(const ContactConfig& config, const TouchingSurfaces& touching, const LayoutOfBodies& bodies,
+                    Selections& selections) {
+  int body = -1;
+  for (const FacetSide& side : touching.sides) {
+    if (side.thickness > 0.0) body = std::max(body, side.body);
+  }
+  body = static_cast<int>(maximum(bodies.layout.comm, static_cast<double>(body)));
+  if (body < 0) return;
+  const auto number = static_cast<std::size_t>(body);
+  const ContactPairConfig* pair = touching.config;
+  selections.report(
+      pair != nullptr ? pair->where : config.where,
+      fmt::format("{} '{}' has no inside, from which a penalty could push another body out again; use 'law: barrier'{}",
+                  bodies.thin.is_rod[number] != 0 ? "rod" : "free shell", bodies.thin.names[number],
+                  pair != nullptr ? "" : ", or list the pairs that touch instead of 'pairs: all'"));
+}
+
 }  // namespace
 
-CellOfFacets::CellOfFacets(const NodeLayout& layout, const FacetList& facets) {
+CellOfFacets::CellOfFacets(const NodeLayout& layout, const FacetList& facets, const ThinBodies& thin) {
+  for (PetscInt segment = 0; segment < thin.segments.size(); ++segment) {
+    cells_.insert({corners_of(thin.segments.nodes_of(segment)), thin.cells[static_cast<std::size_t>(segment)]});
+  }
   std::vector<char> is_on_facets(static_cast<std::size_t>(layout.num_local_nodes), 0);
   for (const PetscInt node : facets.nodes) is_on_facets[node] = 1;
   for (PetscInt cell = 0; cell < layout.num_local_cells; ++cell) {
@@ -186,18 +263,19 @@ std::optional<PetscInt> CellOfFacets::operator()(std::span<const PetscInt> nodes
 std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config,
                                                      const std::vector<std::array<Selection, 2>>& tied,
                                                      const LayoutOfBodies& bodies, Selections& selections) {
-  const auto& [layout, body_of_cell] = bodies;
+  const auto& [layout, body_of_cell, thin] = bodies;
   std::vector<TouchingSurfaces> result;
   if (config.pairs.empty()) return result;
-  const std::size_t num_excluded = config.exclude.size() + tied.size();
+  const std::size_t num_excluded = config.exclude.size() + tied.size() + thin.held.size();
   if (num_excluded > most_excluded) {
-    selections.report(config.where,
-                      "'exclude', ties, attached and coupled surfaces are more than 30 in all; combine some in gmsh");
+    selections.report(
+        config.where,
+        "'exclude', ties, rigid bodies in which rods end, attached and coupled surfaces are more than 30 in all; "
+        "combine some in gmsh");
     return result;
   }
-  Selection everything;
-  const FacetList all = selections.facets(everything);
-  const CellOfFacets cells(layout, all);
+  const FacetList all = with_segments(selections.whole_surface(), thin);
+  const CellOfFacets cells(layout, all, thin);
   std::vector<const ContactPairConfig*> entries;
   for (const ContactPairConfig& pair : config.pairs.list) entries.push_back(&pair);
   if (config.pairs.all) entries.push_back(nullptr);
@@ -214,17 +292,8 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
         membership.copy(first_side, second_side);
       }
     }
-    for (std::size_t k = 0; k < config.exclude.size(); ++k) {
-      for (int side = 0; side < 2; ++side) {
-        membership.add(config.exclude[k][static_cast<std::size_t>(side)],
-                       first_excluded + 2 * static_cast<int>(k) + side);
-      }
-    }
-    for (std::size_t k = 0; k < tied.size(); ++k) {
-      const int bit = first_excluded + 2 * static_cast<int>(config.exclude.size() + k);
-      membership.add_around(layout, tied[k][0], bit);
-      membership.add_around(layout, tied[k][1], bit + 1);
-    }
+    add_exclusions(config, tied, bodies, membership);
+    require_what_can_touch(pair, membership, bodies, selections);
     for (std::size_t k = 0; k < sides.size(); ++k) {
       if (!repeats(layout.comm, membership.masks(), sides[k])) continue;
       selections.report(pair->where,
@@ -253,10 +322,12 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
       touching.facets.nodes.insert(touching.facets.nodes.end(), nodes.begin(), nodes.end());
       touching.facets.is_owned.push_back(all.is_owned[facet]);
       touching.facets.is_outer.push_back(1);
-      touching.sides.push_back({cell ? body_of_cell[*cell] : 0, 0});
+      const int body = cell ? body_of_cell[*cell] : 0;
+      touching.sides.push_back({body, 0, thin.thickness_of(body)});
       touching.is_on_first_side.push_back((membership[facet] >> first_side & 1) != 0);
       masks.push_back(membership[facet]);
     }
+    if (touching.law == NormalKind::penalty) require_solids(config, touching, bodies, selections);
     sort_into_sets(layout.comm, masks, num_excluded, touching);
     result.push_back(std::move(touching));
   }

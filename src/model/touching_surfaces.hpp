@@ -6,6 +6,7 @@
 #include "energy/contact/body_surfaces.hpp"
 #include "fem/components.hpp"
 #include "model/selections.hpp"
+#include "model/thin_bodies.hpp"
 
 #include <array>
 #include <map>
@@ -15,10 +16,11 @@
 
 namespace pliant {
 
-/// The local cell of a facet of the mesh's surface, found by its corners.
+/// The local cell of a facet of the mesh's surface, or of a segment of a rod, found by its corners.
 class CellOfFacets {
  public:
-  CellOfFacets(const NodeLayout& layout, const FacetList& facets);
+  /// `thin`: its segments are added.
+  CellOfFacets(const NodeLayout& layout, const FacetList& facets, const ThinBodies& thin);
   /// `nodes`: of a facet; its corners come first. Empty if no cell of this rank has it.
   std::optional<PetscInt> operator()(std::span<const PetscInt> nodes) const;
 
@@ -29,7 +31,7 @@ class CellOfFacets {
 /// What one entry of `contact.pairs`, or `all`, speaks of.
 struct TouchingSurfaces {
   FacetList facets;
-  std::vector<FacetSide> sides;                     ///< of each facet: its body, and its set among `sets`
+  std::vector<FacetSide> sides;                     ///< of each facet; its set is one of `sets`
   ContactSets sets;                                 ///< which may touch
   std::vector<std::array<bool, 2>> set_is_on_side;  ///< of each set: it is of `surface`, of `with` of the entry; of
                                                     ///< neither is the rest of a body in contact by a penalty
@@ -43,6 +45,7 @@ struct TouchingSurfaces {
 struct LayoutOfBodies {
   const NodeLayout& layout;
   const std::vector<int>& body_of_cell;  ///< per local cell
+  const ThinBodies& thin;
 };
 
 /// `tied`: surfaces that constraints tie; their facets, and those around their rims, never see each other. What is

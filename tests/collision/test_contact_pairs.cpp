@@ -4,6 +4,7 @@
 #include "surfaces.hpp"
 
 #include <eigen3/Eigen/Dense>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -222,44 +223,102 @@ struct Bumpy {
   }
 };
 
-TEST(ContactPairs, DerivativesMatchDifferences) {
-  for (const ContactRule& rule : {corners(), quadratic_contact_rule()}) {
-    const Bumpy bumpy(rule);
-    const Contact& contact = bumpy.contact;
-    auto x = bumpy.x;
-    const auto size = static_cast<Eigen::Index>(3 * x.size());
-    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(size, size);
-    std::vector<Vector3<double>> forces, right, left;
-    contact.evaluate(x, ContactOrder::hessian, forces,
-                     [&](std::int32_t a, std::int32_t b, const Tensor3<double>& block) {
-                       for (int p = 0; p < 3; ++p) {
-                         for (int q = 0; q < 3; ++q) K(3 * a + p, 3 * b + q) += block(p, q);
-                       }
-                     });
-    EXPECT_LT((K - K.transpose()).norm(), 1e-12 * K.norm());
-    constexpr double step = 1e-7;
-    double largest_force = 0.0;
-    for (const auto& f : forces) largest_force = std::max(largest_force, norm(f));
-    ASSERT_GT(largest_force, 0.01);
-    int off = 0;
-    for (std::size_t v = 0; v < x.size(); ++v) {
-      for (int q = 0; q < 3; ++q) {
-        const double before = x[v][q];
-        x[v][q] = before + step;
-        const double W_right = contact.gradient(x, right);
-        x[v][q] = before - step;
-        const double W_left = contact.gradient(x, left);
-        x[v][q] = before;
-        EXPECT_NEAR((W_right - W_left) / (2 * step), forces[v][q], 1e-6 * largest_force);
-        for (std::size_t w = 0; w < x.size(); ++w) {
-          for (int p = 0; p < 3; ++p) {
-            const double second = (right[w][p] - left[w][p]) / (2 * step);
-            off += std::abs(second - K(3 * w + p, 3 * v + q)) > 1e-5 * K.cwiseAbs().maxCoeff() ? 1 : 0;
-          }
+/// The gradient against differences of the energy, and the Hessian against those of the gradient.
+void expect_derivatives(const Contact& contact, std::vector<Vector3<double>> x) {
+  const auto size = static_cast<Eigen::Index>(3 * x.size());
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(size, size);
+  std::vector<Vector3<double>> forces, right, left;
+  contact.evaluate(x, ContactOrder::hessian, forces, [&](std::int32_t a, std::int32_t b, const Tensor3<double>& block) {
+    for (int p = 0; p < 3; ++p) {
+      for (int q = 0; q < 3; ++q) K(3 * a + p, 3 * b + q) += block(p, q);
+    }
+  });
+  EXPECT_LT((K - K.transpose()).norm(), 1e-12 * K.norm());
+  constexpr double step = 1e-7;
+  double largest_force = 0.0;
+  for (const auto& f : forces) largest_force = std::max(largest_force, norm(f));
+  ASSERT_GT(largest_force, 0.01);
+  int off = 0;
+  for (std::size_t v = 0; v < x.size(); ++v) {
+    for (int q = 0; q < 3; ++q) {
+      const double before = x[v][q];
+      x[v][q] = before + step;
+      const double W_right = contact.gradient(x, right);
+      x[v][q] = before - step;
+      const double W_left = contact.gradient(x, left);
+      x[v][q] = before;
+      EXPECT_NEAR((W_right - W_left) / (2 * step), forces[v][q], 1e-6 * largest_force);
+      for (std::size_t w = 0; w < x.size(); ++w) {
+        for (int p = 0; p < 3; ++p) {
+          const double second = (right[w][p] - left[w][p]) / (2 * step);
+          off += std::abs(second - K(3 * w + p, 3 * v + q)) > 1e-5 * K.cwiseAbs().maxCoeff() ? 1 : 0;
         }
       }
     }
-    EXPECT_EQ(off, 0);
+  }
+  EXPECT_EQ(off, 0);
+}
+
+TEST(ContactPairs, DerivativesMatchDifferences) {
+  for (const ContactRule& rule : {corners(), quadratic_contact_rule()}) {
+    const Bumpy bumpy(rule);
+    expect_derivatives(bumpy.contact, bumpy.x);
+  }
+}
+
+/// A rod along these points, with keys from `first_key` on.
+SurfaceInput rod(const std::vector<Vector3<double>>& points, VertexKey first_key, std::int32_t body,
+                 double thickness = 0.02) {
+  SurfaceInput input;
+  for (const auto& X : points) input.vertices.push_back({first_key + std::ssize(input.vertices), X});
+  for (VertexKey key = first_key; key + 1 < first_key + std::ssize(points); ++key) {
+    input.triangles.push_back({{key + 1, key, key}, body, 0, thickness});
+  }
+  return input;
+}
+
+TEST(ContactPairs, DerivativesOfRodsMatchDifferences) {
+  const auto across = rod({{0.2, -0.3, 0.04}, {0.45, 0.2, 0.05}, {0.5, 0.7, 0.045}, {0.6, 1.2, 0.06}}, 1000, 1);
+  const auto along = rod({{-0.2, 0.4, 0.09}, {0.3, 0.45, 0.1}, {0.7, 0.5, 0.095}}, 2000, 2);
+  const Contact contact(joined(joined(patch(3, 0.0, 0, 0, 5), across), along), quadratic_contact_rule(), 0.2);
+  const auto pairs = contact.pairs(contact.rest());
+  std::set<std::array<std::int32_t, 2>> bodies;  // of pairs of edges
+  for (const EdgePair& pair : pairs.edges) {
+    bodies.insert({contact.surface.edges()[pair.a].body, contact.surface.edges()[pair.b].body});
+  }
+  EXPECT_EQ(bodies.size(), 3U);  // each rod with the patch, and the rods
+  expect_derivatives(contact, contact.rest());
+}
+
+/// Chains, forks, and what is joined to a surface: a point close to a place of them sees it once.
+TEST(ContactPairs, EveryPlaceOfARodCountsOnce) {
+  SurfaceInput input = patch(2, 0.0, 0, 0, 2);
+  const VertexKey inner = 4, rim = 1;
+  for (const auto& [key, X] : std::vector<std::pair<VertexKey, Vector3<double>>>{
+           {100, {0.5, 0.5, 0.5}}, {101, {0.5, 0.5, 1}}, {102, {1, 0.5, 0.6}}, {103, {0.5, 1, 0.6}}}) {
+    input.vertices.push_back({key, X});
+  }
+  for (const auto& [a, b] :
+       std::vector<std::pair<VertexKey, VertexKey>>{{inner, 100}, {100, 101}, {100, 102}, {103, 100}, {rim, 102}}) {
+    input.triangles.push_back({{a, b, b}, 0, 0, 0.01});
+  }
+  const Contact contact = probe_over(input);
+  auto x = contact.rest();
+  const auto tip = static_cast<std::int32_t>(x.size() - 4);
+  std::vector<Vector3<double>> places(x.begin(), x.begin() + tip);
+  for (const auto& edge : contact.surface.edges()) {
+    if (edge.is_loose) places.push_back(0.3 * x[edge.vertices[0]] + 0.7 * x[edge.vertices[1]]);
+  }
+  EXPECT_EQ(places.size(), 13U + 5U);
+  for (const auto& place : places) {
+    place_probe(x, place + Vector3<double>{0.3e-6, 0.2e-6, 0.1e-6});
+    const auto candidates = point_candidates(contact.surface, contact.points, x, 1e-6);
+    int count = 0;
+    for (const PointPair& pair :
+         point_pairs(contact.surface, contact.multiplicities, contact.points, candidates, x, 1e-6)) {
+      if (pair.point == tip) count += pair.multiplicity;
+    }
+    EXPECT_EQ(count, 1) << place[0] << " " << place[1] << " " << place[2];
   }
 }
 

@@ -51,9 +51,52 @@ TEST(Surface, RefusesWhatIsNoSurface) {
     return CollisionSurface(v, std::vector<SurfaceTriangle>{{t, 0, 0}});
   };
   EXPECT_THROW(make(vertices, {0, 1, 3}), std::invalid_argument);
-  EXPECT_THROW(make(vertices, {0, 1, 1}), std::invalid_argument);
+  EXPECT_THROW(make(vertices, {0, 1, 1}), std::invalid_argument);  // a segment has a thickness
   EXPECT_THROW(make({vertices[0], vertices[0], vertices[1], vertices[2]}, {0, 1, 2}), std::invalid_argument);
   EXPECT_EQ(make(vertices, {0, 1, 2}).vertices().size(), 3U);
+}
+
+TEST(Surface, OfARod) {
+  const std::vector<SurfaceVertex> vertices{{7, {0, 0, 0}}, {3, {2, 0, 0}}, {5, {2, 1, 0}}};
+  const std::vector<SurfaceTriangle> segments{{{7, 3, 3}, 0, 0, 0.1}, {{3, 5, 5}, 0, 0, 0.1}, {{5, 3, 3}, 1, 0, 0.1}};
+  const CollisionSurface surface(vertices, segments);
+  ASSERT_EQ(surface.triangles().size(), 2U);  // one segment of two rods is there once
+  ASSERT_EQ(surface.edges().size(), 2U);
+  double vertex_area = 0, edge_area = 0;
+  for (const auto& vertex : surface.vertices()) vertex_area += vertex.area;
+  for (const auto& edge : surface.edges()) {
+    edge_area += edge.area;
+    EXPECT_TRUE(edge.is_loose);
+  }
+  EXPECT_NEAR(vertex_area, 0.3, 1e-15);
+  EXPECT_NEAR(edge_area, 0.3, 1e-15);
+  for (const auto& triangle : surface.triangles()) {
+    EXPECT_TRUE(triangle.is_segment());
+    EXPECT_EQ(triangle.corners().size(), 2U);
+    EXPECT_EQ(triangle.sides().size(), 1U);
+  }
+}
+
+/// Along the surface, over a distance that depends on the bodies; not across a gap, however narrow.
+TEST(Surface, NeighboursHangTogether) {
+  std::vector<SurfaceVertex> vertices;
+  std::vector<SurfaceTriangle> segments;
+  for (VertexKey n = 0; n < 10; ++n) {  // there and back, 0.1 beside it
+    vertices.push_back({n, {n < 5 ? double(n) : double(9 - n), n < 5 ? 0.0 : 0.1, 0}});
+    if (n > 0) segments.push_back({{n - 1, n, n}, n < 5 ? 0 : 1, 0, 0.1});
+  }
+  const CollisionSurface surface(vertices, segments);
+  const SurfaceNeighbours neighbours(surface, 2, {2.5, 1.5, 1.5, 0.0});
+  const auto are = [&](std::int32_t a, std::int32_t b) { return neighbours.include(std::array{a}, std::array{b}); };
+  EXPECT_TRUE(are(0, 1));
+  EXPECT_TRUE(are(0, 2) && are(2, 0));
+  EXPECT_FALSE(are(0, 3));
+  EXPECT_FALSE(are(0, 9));
+  EXPECT_FALSE(are(5, 6));
+  EXPECT_TRUE(are(3, 5));
+  EXPECT_TRUE(neighbours.include(std::array{0, 1}, std::array{3, 4}));
+  EXPECT_TRUE(SurfaceNeighbours(surface, 2, {0.0, 0.0, 0.0, 0.0}).empty());
+  EXPECT_TRUE(SurfaceNeighbours().empty());
 }
 
 /// All pairs that share no vertex, by their distances.

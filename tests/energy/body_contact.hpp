@@ -23,7 +23,7 @@ inline std::shared_ptr<const TouchingBodies> touching(const Solid& solid, double
                                                       std::optional<FrictionUpdate> drag = std::nullopt) {
   constexpr double depth_of_penalty = 0.2;
   return std::make_shared<const TouchingBodies>(
-      surfaces_of(solid, between), ContactSets{}, BodyContactLaws{2, {law, law, law, law}}, drag,
+      surfaces_of(solid, between), ContactSets{}, BodyContactLaws{2, {law, law, law, law}, {}}, drag,
       PenaltyParts{law.kind == NormalKind::penalty ? depth_of_penalty : 0.0, {}, {}});
 }
 inline NormalLaw barrier(double stiffness, double width, double threshold = 0.0) {

@@ -3,6 +3,7 @@
 #include "petsc/collective.hpp"
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 #include <tuple>
 
@@ -13,8 +14,8 @@ namespace {
 constexpr std::array<std::array<int, 3>, 1> linear_triangles{{{0, 1, 2}}};
 constexpr std::array<std::array<int, 3>, 4> quadratic_triangles{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
 
-std::span<const std::array<int, 3>> triangles_of_facet(int nodes_per_facet) {
-  if (nodes_per_facet == 3) return linear_triangles;
+std::span<const std::array<int, 3>> triangles_of_facet(std::span<const PetscInt> nodes) {
+  if (nodes.size() == 3 || is_segment(nodes)) return linear_triangles;
   return quadratic_triangles;
 }
 
@@ -24,7 +25,7 @@ void for_each_triangle(const FacetList& facets, const F& f) {
   const auto n = static_cast<std::size_t>(facets.nodes_per_facet);
   for (PetscInt facet = 0; facet < facets.size(); ++facet) {
     const auto nodes = std::span(facets.nodes).subspan(facet * n, n);
-    for (const auto& [a, b, c] : triangles_of_facet(facets.nodes_per_facet)) {
+    for (const auto& [a, b, c] : triangles_of_facet(nodes)) {
       f(std::array{nodes[a], nodes[b], nodes[c]}, facet);
     }
   }
@@ -43,6 +44,7 @@ void for_each_middle(const FacetList& facets, const F& f) {
   if (facets.nodes_per_facet != 6) return;
   for (std::size_t first = 0; first < facets.nodes.size(); first += 6) {
     const auto nodes = std::span(facets.nodes).subspan(first, 6);
+    if (is_segment(nodes)) continue;
     f(nodes[3], nodes[0], nodes[1]);
     f(nodes[4], nodes[1], nodes[2]);
     f(nodes[5], nodes[0], nodes[2]);
@@ -88,7 +90,8 @@ CollisionSurface gathered_surface(const NodeLayout& layout, const FacetList& fac
   for_each_triangle(facets, [&](const std::array<PetscInt, 3>& nodes, PetscInt facet) {
     if (!facets.is_owned[facet]) return;
     const auto key = [&](int k) { return VertexKey{layout.global_node(nodes[k])}; };
-    triangles.push_back({{key(0), key(1), key(2)}, sides[facet].body, sides[facet].set});
+    const auto [body, set, thickness] = sides[facet];
+    triangles.push_back({{key(0), key(1), key(2)}, body, set, thickness});
   });
   return CollisionSurface(gathered(layout.comm, vertices), gathered(layout.comm, triangles));
 }
@@ -115,6 +118,12 @@ std::vector<char> first_of_sets(std::span<const CollisionSurface::Triangle> tria
 }
 
 }  // namespace
+
+std::vector<PetscInt> segment_as_facet(PetscInt a, PetscInt b, int nodes_per_facet) {
+  std::vector<PetscInt> nodes(static_cast<std::size_t>(nodes_per_facet), b);
+  nodes[0] = a;
+  return nodes;
+}
 
 BodySurfaces::BodySurfaces(const NodeLayout& layout, const FacetList& facets, std::span<const FacetSide> sides,
                            FacetVertices vertices)
@@ -164,14 +173,16 @@ void BodySurfaces::list_patches(const NodeLayout& layout, const FacetList& facet
   const auto triangles = surface_.triangles();
   const auto is_mine = [&](PetscInt node) { return node < layout.num_owned_nodes; };
   const auto nodes_per_facet = static_cast<std::size_t>(facets.nodes_per_facet);
+  std::set<std::ptrdiff_t> segments;
   for_each_triangle(facets, [&](const std::array<PetscInt, 3>& nodes, PetscInt facet) {
     const auto of_facet =
         std::span(facets.nodes).subspan(static_cast<std::size_t>(facet) * nodes_per_facet, nodes_per_facet);
     std::array<std::int32_t, 3> numbers{};
     for (std::size_t k = 0; k < 3; ++k) numbers[k] = number_of(surface_, layout.global_node(nodes[k]));
-    std::ranges::rotate(numbers, std::ranges::min_element(numbers));
+    numbers = in_lasting_order(numbers);
     const auto triangle = std::ranges::lower_bound(triangles, numbers, {}, &CollisionSurface::Triangle::vertices);
     const auto number = triangle - triangles.begin();
+    if (triangle->is_segment() && !segments.insert(number).second) return;  // of two rods
     const std::size_t first = patches_.nodes.size();
     for (const std::int32_t vertex : nodes_of(static_cast<std::size_t>(number))) {
       const VertexKey key = surface_.vertices()[vertex].key;

@@ -17,7 +17,15 @@ namespace pliant {
 struct FacetSide {
   std::int32_t body = 0;
   std::int32_t set = 0;
+  double thickness = 0.0;  ///< of a free shell or a rod [m]; 0: it is a side of a solid
 };
+
+/// The nodes of a segment of a rod from a to b as those of a facet: its last two corners are one (collision/surface).
+std::vector<PetscInt> segment_as_facet(PetscInt a, PetscInt b, int nodes_per_facet);
+/// Whether the nodes are those of a segment.
+inline bool is_segment(std::span<const PetscInt> nodes) {
+  return nodes[1] == nodes[2];
+}
 
 /// Where the vertices of the nodes between the corners of quadratic facets are.
 enum class FacetVertices {
@@ -25,7 +33,8 @@ enum class FacetVertices {
   nodes  ///< at the nodes
 };
 
-/// Triangles of the facets of all ranks, numbered alike on every rank: one per linear facet, four per quadratic one.
+/// Triangles of the facets of all ranks, numbered alike on every rank: one per linear facet and per segment of a rod,
+/// four per quadratic facet.
 /// Memory: about 100 bytes per triangle of all bodies on each rank.
 ///
 /// Each node has a vertex. Those of the corners of facets are the nodes themselves. With FacetVertices::mean, in a

@@ -31,10 +31,12 @@ QuadratureRule<2> inner_rule() {
 }  // namespace
 
 ContactSurface::ContactSurface(const NodeLayout& layout, const BlockPattern& pattern, FacetList facets,
-                               const NormalLaw& law)
+                               const NormalLaw& law, double thickness)
     : layout_(layout), facets_(std::move(facets)), law_(law) {
   const QuadratureRule<2> rule = law.kind == NormalKind::barrier ? nodal_rule() : inner_rule();
-  if (layout.order == 1) {
+  if (thickness > 0.0) {
+    set_points_of_segments(thickness);
+  } else if (layout.order == 1) {
     set_points<1>(rule.points, rule.weights);
   } else {
     set_points<2>(rule.points, rule.weights);
@@ -71,6 +73,24 @@ void ContactSurface::set_points(std::span<const std::array<double, 2>> points, s
       }
       areas_.push_back(weights[k] * norm(cross(X_xi, X_eta)));
     }
+  }
+}
+
+void ContactSurface::set_points_of_segments(double thickness) {
+  const double c = 0.5 * (1.0 - std::sqrt(3.0 / 7.0));
+  const std::array<std::array<double, 2>, 5> rule{
+      {{0.0, 1.0 / 20.0}, {c, 49.0 / 180.0}, {0.5, 16.0 / 45.0}, {1.0 - c, 49.0 / 180.0}, {1.0, 1.0 / 20.0}}};
+  num_points_ = rule.size();
+  for (const auto& [s, weight] : rule) {
+    std::vector<double> N(static_cast<std::size_t>(facets_.nodes_per_facet), 0.0);
+    N[0] = 1.0 - s;
+    N[1] = s;
+    shape_functions_.insert(shape_functions_.end(), N.begin(), N.end());
+  }
+  for (PetscInt f = 0; f < facets_.size(); ++f) {
+    const auto nodes = nodes_of(f);
+    const double length = norm(layout_.position(nodes[1]) - layout_.position(nodes[0]));
+    for (const auto& [s, weight] : rule) areas_.push_back(weight * thickness * length);
   }
 }
 

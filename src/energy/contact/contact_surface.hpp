@@ -17,11 +17,14 @@ namespace pliant {
 
 /// Facets (boundary faces) with quadrature points. Integrals are over the reference area. The points of a penalty are
 /// those of a rule of degree 4; those of a barrier are the facet's corners, edge midpoints and centre (degree 3), so
-/// that no node can pass it. Both rules are symmetric in the corners, so that ranks agree on them.
+/// that no node can pass it. Both rules are symmetric in the corners, so that ranks agree on them. Segments of rods
+/// (segment_as_facet) have five points on their axes, those of Lobatto's rule, and the area of thickness times length.
 class ContactSurface {
  public:
-  /// The layout outlives the object.
-  ContactSurface(const NodeLayout& layout, const BlockPattern& pattern, FacetList facets, const NormalLaw& law);
+  /// `thickness`: of a rod, whose segments the facets are then [m]; 0: they are facets of the mesh. The layout outlives
+  /// the object.
+  ContactSurface(const NodeLayout& layout, const BlockPattern& pattern, FacetList facets, const NormalLaw& law,
+                 double thickness = 0.0);
 
   /// A quadrature point and its facet.
   struct Point {
@@ -108,6 +111,7 @@ class ContactSurface {
  private:
   template <int Order>
   void set_points(std::span<const std::array<double, 2>> points, std::span<const double> weights);
+  void set_points_of_segments(double thickness);
   template <class Visit, class Wanted>
   void for_each_point(Facets which, const Visit& visit, const Wanted& wanted) const;
   bool is_near(PetscInt facet, const ObstacleFrame& obstacle, std::span<const double> q) const;

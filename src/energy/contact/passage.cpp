@@ -1,5 +1,6 @@
 #include "energy/contact/passage.hpp"
 
+#include "energy/contact/body_surfaces.hpp"
 #include "fem/element.hpp"
 
 #include <algorithm>
@@ -22,9 +23,9 @@ Vector3<double> place_on(const ContactSurface& surface, std::span<const PetscInt
                          const std::array<double, 2>& xi, std::span<const double> q) {
   Vector3<double> x{};
   const auto add = [&](const auto& N) {
-    for (std::size_t a = 0; a < nodes.size(); ++a) x = x + N[a] * surface.position(nodes[a], q);
+    for (std::size_t a = 0; a < N.size(); ++a) x = x + N[a] * surface.position(nodes[a], q);
   };
-  if (nodes.size() == 3) {
+  if (nodes.size() == 3 || is_segment(nodes)) {
     add(Triangle<1>::values(xi));
   } else {
     add(Triangle<2>::values(xi));

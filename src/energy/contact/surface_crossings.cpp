@@ -19,7 +19,8 @@ SurfaceCrossings find_crossings(const BodySurfaces& surfaces, const NearPatches&
   SurfaceCrossings crossings;
   const auto look_at = [&](std::size_t of_edges, std::size_t number) {
     const auto &one = surface.triangles()[of_edges], &other = surface.triangles()[number];
-    for (int k = 0; k < 3; ++k) {
+    if (other.is_segment()) return;
+    for (int k = 0; k < static_cast<int>(one.sides().size()); ++k) {
       const auto& ends = surface.edges()[one.edges[k]].vertices;
       const bool touches = surface.is_incident(other, ends[0]) || surface.is_incident(other, ends[1]);
       if (!surfaces.stands_for_edge(of_edges, k) || touches) continue;

@@ -3,6 +3,7 @@
 
 #include "base/vector3.hpp"
 
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -20,6 +21,13 @@ struct Touch {
   Vector3<double> normal{};  ///< of the second surface, towards the first
   bool is_counted = false;   ///< by this rank, among all that have it
 
+  /// Adds a node with its weight, or the weight to that of the node if it is there from `begin` on.
+  void add(PetscInt node, double weight, int begin) {
+    const auto end = nodes.begin() + num_nodes;
+    const auto known = std::find(nodes.begin() + begin, end, node);
+    if (known == end) nodes[static_cast<std::size_t>(num_nodes++)] = node;
+    weights[static_cast<std::size_t>(known - nodes.begin())] += weight;
+  }
   /// sum w_i (to_i - from_i) of two configurations.
   Vector3<double> displacement(std::span<const double> from, std::span<const double> to) const {
     return sum([&](std::size_t entry) { return to[entry] - from[entry]; });

@@ -3,6 +3,7 @@
 #include "collision/candidates.hpp"
 #include "collision/ccd.hpp"
 #include "collision/closest_points.hpp"
+#include "collision/vertex_pressures.hpp"
 
 #include <algorithm>
 
@@ -13,16 +14,8 @@ namespace {
 constexpr double edge_share = 0.05;
 /// Part of a gap that a step leaves at the least.
 constexpr double kept_gap = 0.1;
-/// Part of a vertex' area that carries the force on it at the least, where that is along the surface.
-constexpr double least_facing_area = 0.25;
 
 }  // namespace
-
-double BodyContactLaws::reach() const {
-  double reach = 0.0;
-  for (const NormalLaw& law : of_bodies) reach = std::max(reach, law.reach());
-  return reach;
-}
 
 TouchingBodies::TouchingBodies(std::shared_ptr<const BodySurfaces> surfaces, ContactSets sets, BodyContactLaws laws,
                                std::optional<FrictionUpdate> drag, PenaltyParts penalty)
@@ -35,6 +28,7 @@ TouchingBodies::TouchingBodies(std::shared_ptr<const BodySurfaces> surfaces, Con
   for (NormalLaw& law : edge_laws_.of_bodies) law.kind = NormalKind::edge_barrier;
   const CollisionSurface& surface = surfaces_->surface();
   const ContactRule rule = quadratic_contact_rule();
+  neighbours_ = SurfaceNeighbours(surface, laws_.num_bodies, laws_.neighbour_distances);
   multiplicities_ = FeatureMultiplicities(surface, sets_);
   sets_ = without(std::move(sets_), penalty_.is_mirror);
   points_ = surface_points(surface, rule);
@@ -89,11 +83,13 @@ std::shared_ptr<const PairFeatures> TouchingBodies::features_of(const NearPatche
   const auto add_points = [&](std::size_t first, std::size_t second, bool is_incident) {
     for (int k = 0; k < 3; ++k) {
       const std::int32_t vertex = triangles[first].vertices[k];
-      if (surfaces_->stands_for_vertex(first, k) && !surface.is_incident(triangles[second], vertex)) {
+      if (surfaces_->stands_for_vertex(first, k) && !surface.is_incident(triangles[second], vertex) &&
+          !neighbours_.include(std::array{vertex}, triangles[second].vertices)) {
         points.push_back({point_of_corner_[3 * first + static_cast<std::size_t>(k)], number(second)});
       }
     }
-    for (std::size_t j = 0; !is_incident && j < num_inner_points_; ++j) {
+    const bool are_near = is_incident || neighbours_.include(triangles[first].vertices, triangles[second].vertices);
+    for (std::size_t j = 0; !are_near && j < num_inner_points_; ++j) {
       points.push_back({number(first_inner_point + num_inner_points_ * first + j), number(second)});
     }
   };
@@ -110,7 +106,10 @@ std::shared_ptr<const PairFeatures> TouchingBodies::features_of(const NearPatche
       for (int l = 0; l < 3; ++l) {
         if (!surfaces_->stands_for_edge(second, l)) continue;
         const auto [low, high] = std::minmax(a.edges[k], b.edges[l]);
-        if (!surface.is_incident(surface.edges()[low], surface.edges()[high])) edges.push_back({low, high});
+        const auto &one = surface.edges()[low], &other = surface.edges()[high];
+        if (!surface.is_incident(one, other) && !neighbours_.include(one.vertices, other.vertices)) {
+          edges.push_back({low, high});
+        }
       }
     }
   }
@@ -216,10 +215,9 @@ TouchingBodies::Configuration& TouchingBodies::configuration(const NearPatches& 
     if (known.features == near.features && known.x == at.x) return known;
   }
   Configuration& now = last_[std::exchange(oldest_, (oldest_ + 1) % last_.size())];
-  const CollisionSurface& surface = surfaces_->surface();
   const Candidates found = candidates(near, at, std::max(laws_.reach(), range()));
   now.features = near.features;
-  now.pairs = {point_pairs_of(found, at.x), edge_pairs(surface, found.edges, at.x, laws_.reach(), edge_share)};
+  now.pairs = {point_pairs_of(found, at.x), edge_pairs_of(found, at.x)};
   now.x = std::move(at.x);
   now.touches.reset();
   return now;
@@ -230,7 +228,26 @@ std::vector<PointPair> TouchingBodies::point_pairs_of(const Candidates& found,
   const CollisionSurface& surface = surfaces_->surface();
   if (is_penalty())
     return nearest_pairs(surface, multiplicities_, points_, found.points, x, laws_.reach(), penalty_.depth);
-  return point_pairs(surface, multiplicities_, points_, found.points, x, laws_.reach());
+  auto pairs = point_pairs(surface, multiplicities_, points_, found.points, x, laws_.reach());
+  if (laws_.keep_one_distance()) return pairs;
+  std::erase_if(pairs, [&](const PointPair& pair) {
+    const PairGeometry at = geometry_of(surface, points_, pair, x);
+    return at.distance >= laws_.of(at.body, at.other).reach();
+  });
+  return pairs;
+}
+
+std::vector<EdgePair> TouchingBodies::edge_pairs_of(const Candidates& found, std::span<const Vector3<double>> x) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  auto pairs = edge_pairs(surface, found.edges, x, laws_.reach(), edge_share);
+  if (laws_.keep_one_distance()) return pairs;
+  std::erase_if(pairs, [&](const EdgePair& pair) {
+    const auto &a = surface.edges()[pair.a], &b = surface.edges()[pair.b];
+    const std::array ends{x[a.vertices[0]], x[a.vertices[1]], x[b.vertices[0]], x[b.vertices[1]]};
+    const double reach = laws_.of(a.body, b.body).reach();
+    return closest_edge_edge(ends).squared_distance >= reach * reach;
+  });
+  return pairs;
 }
 
 const std::vector<Touch>& TouchingBodies::touches(const NearPatches& near, std::span<const double> q) const {
@@ -251,11 +268,7 @@ const std::vector<Touch>& TouchingBodies::touches(const NearPatches& near, std::
       if (i == pair.num_first_nodes) begin = touch.num_first_nodes = touch.num_nodes;
       const auto of_vertex = surfaces_->support(pair.nodes[i]);
       for (int a = 0; a < of_vertex.size; ++a) {
-        const PetscInt node = nodes[of_vertex.nodes[a]];
-        const auto end = touch.nodes.begin() + touch.num_nodes;
-        const auto known = std::find(touch.nodes.begin() + begin, end, node);
-        if (known == end) touch.nodes[touch.num_nodes++] = node;
-        touch.weights[known - touch.nodes.begin()] += of_vertex.weights[a] * pair.weights[i];
+        touch.add(nodes[of_vertex.nodes[a]], of_vertex.weights[a] * pair.weights[i], begin);
       }
     }
     const auto used = std::span(touch.nodes).first(static_cast<std::size_t>(touch.num_nodes));
@@ -292,24 +305,11 @@ std::vector<double> TouchingBodies::pressures(const NearPatches& near, std::span
   const auto nothing = [](auto...) {};
   add_point_pairs(surface, points_, now.pairs.points, now.x, laws_, ContactOrder::gradient, add, nothing);
   add_edge_pairs(surface, now.pairs.edges, now.x, edge_laws_, ContactOrder::gradient, add, nothing);
-
-  std::vector<double> facing(surface.vertices().size(), 0.0);  // areas, as vectors along the slopes
-  for (const std::int32_t number : features(near).triangles) {
-    const auto& triangle = surface.triangles()[number];
-    const auto [a, b, c] = triangle.vertices;
-    const Vector3<double> normal = cross(now.x[b] - now.x[a], now.x[c] - now.x[a]);
-    const double size = norm(normal);
-    for (const std::int32_t vertex : triangle.vertices) {
-      if (size > 0.0) facing[vertex] += triangle.area / 3.0 * std::max(0.0, dot(normal, slopes[vertex]) / size);
-    }
-  }
+  const std::vector<double> of_vertices = vertex_pressures(surface, features(near).triangles, now.x, slopes);
   std::vector<double> pressures(static_cast<std::size_t>(near.num_owned_nodes), 0.0);
   for (const std::int32_t vertex : features(near).placed) {
     const PetscInt node = features(near).nodes[vertex];
-    const double force = norm(slopes[vertex]);
-    if (!near.is_owned(node) || force == 0.0) continue;
-    const double least = least_facing_area * surface.vertices()[vertex].area;
-    pressures[node] = force / std::max(least, facing[vertex] / force);
+    if (near.is_owned(node)) pressures[node] = of_vertices[vertex];
   }
   return pressures;
 }
@@ -332,6 +332,7 @@ double TouchingBodies::max_step(const NearPatches& near, std::span<const double>
     const SurfacePoint& point = points_[pair.first];
     if (point.num_nodes > 1) continue;  // inside a triangle
     const auto& triangle = surface.triangles()[pair.second];
+    if (triangle.is_segment()) continue;  // a point is on edges, which do not meet the segment's
     const auto [a, b, c] = triangle.vertices;
     limit_by(max_step_point_triangle, {point.nodes[0], a, b, c}, surface.vertices()[point.nodes[0]].body,
              triangle.body);

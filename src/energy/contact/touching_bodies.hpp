@@ -8,6 +8,7 @@
 #include "energy/term.hpp"
 #include "material/contact_law.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -20,11 +21,23 @@ namespace pliant {
 struct BodyContactLaws {
   int num_bodies = 1;
   std::vector<NormalLaw> of_bodies;
+  /// How far along the surface, for each two bodies, parts of what is thin count as neighbours, which do not feel each
+  /// other [m] (SurfaceNeighbours); empty: nowhere.
+  std::vector<double> neighbour_distances;
 
   const NormalLaw& of(int body, int other) const { return of_bodies[num_bodies * body + other]; }
   NormalResponse operator()(int body, int other, double distance) const { return of(body, other)(distance); }
   /// The greatest distance at which one of them acts [m].
-  double reach() const;
+  double reach() const {
+    double reach = 0.0;
+    for (const NormalLaw& law : of_bodies) reach = std::max(reach, law.reach());
+    return reach;
+  }
+  /// Whether all bodies keep the same distance: then one reach is about right for all of them.
+  bool keep_one_distance() const {
+    return std::ranges::all_of(of_bodies,
+                               [&](const NormalLaw& law) { return law.threshold == of_bodies[0].threshold; });
+  }
   /// Whether they let surfaces pass into each other; all are of one kind.
   bool is_penalty() const { return of_bodies.front().kind == NormalKind::penalty; }
 };
@@ -66,6 +79,11 @@ class TouchingBodies final : public PairCoupling {
   std::span<const double> frozen_place(const LocalStage& stage, std::span<const double> q) const override;
 
   const BodySurfaces& surfaces() const { return *surfaces_; }
+  /// Whether two triangles are neighbours that do not feel each other.
+  bool are_neighbours(std::int32_t triangle, std::int32_t other) const {
+    const auto triangles = surfaces_->surface().triangles();
+    return neighbours_.include(triangles[triangle].vertices, triangles[other].vertices);
+  }
 
   // The following are of this rank's pairs, with NearPatches found for at least the distance asked for.
 
@@ -138,7 +156,9 @@ class TouchingBodies final : public PairCoupling {
   template <class Visit>
   void for_each_gap(const NearPatches& near, const Positions& at, const Candidates& found, double distance,
                     const Visit& visit) const;
+  /// What is within reach of its law.
   std::vector<PointPair> point_pairs_of(const Candidates& found, std::span<const Vector3<double>> x) const;
+  std::vector<EdgePair> edge_pairs_of(const Candidates& found, std::span<const Vector3<double>> x) const;
   /// Valid until the next call.
   Configuration& configuration(const NearPatches& near, std::span<const double> q) const;
   const std::vector<Touch>& touches(const NearPatches& near, std::span<const double> q) const;
@@ -148,6 +168,7 @@ class TouchingBodies final : public PairCoupling {
   BodyContactLaws laws_, edge_laws_;  // of points at triangles, and of edges across edges
   std::optional<FrictionUpdate> drag_;
   PenaltyParts penalty_;
+  SurfaceNeighbours neighbours_;
   FeatureMultiplicities multiplicities_;
   std::vector<SurfacePoint> points_;           // of the rule: corners, then inner points of the triangles
   std::vector<std::int32_t> point_of_corner_;  // of the three corners of each triangle

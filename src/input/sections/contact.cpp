@@ -48,7 +48,8 @@ std::vector<Field<ContactPressureConfig>> pressure_keys() {
             "half the distance over which the penalty's kink is rounded, or the distance at which the barrier begins")
           .otherwise_in_words("1/50 of the size of a facet, body by body"),
       field("threshold", &P::threshold, quantity("m", Range::at_least(0)),
-            "distance from the obstacle at which the spring begins, or at which the barrier is infinite")
+            "distance from the obstacle at which the spring begins, or at which the barrier is infinite; half of the "
+            "thickness of free shells and rods is added to it")
           .otherwise("0"),
   };
 }
@@ -129,8 +130,11 @@ Section<ContactPairConfig> pair_keys() {
           .otherwise_in_words("that of `contact`, or 1/50 of the size of a facet, of a barrier at most half of the "
                               "distance at the start"),
       field("thickness", &P::thickness, quantity("m", Range::at_least(0)),
-            "distance that the surfaces keep, such as that of a skin which the mesh does not have")
-          .otherwise_in_words("the `threshold` of `contact`"),
+            "distance that the surfaces keep, such as that of a skin which the mesh does not have; that of free shells "
+            "and axes of rods includes their own thickness")
+          .otherwise_in_words(
+              "the `threshold` of `contact`, and half of the thickness of each free shell or rod of the "
+              "pair"),
   };
   for (const auto& key : drag_keys(of_contact)) keys.push_back(within(&P::drag, key));
   return {std::move(keys), {}, &P::where};
