@@ -10,9 +10,9 @@
 #include "input/output_config.hpp"
 #include "input/selection.hpp"
 #include "input/shell_config.hpp"
+#include "input/viscosity_config.hpp"
 #include "material/contact_law.hpp"
 #include "material/foundation.hpp"
-#include "material/viscosity_registry.hpp"
 #include "material/volumetric_form.hpp"
 #include "time/method.hpp"
 #include "time/startup.hpp"
@@ -29,14 +29,6 @@ enum class ElementOrder { p1 = 1, p2 = 2 };
 /// How bodies resist a change of volume: at every point, by the mean over each cell, or by pressures as unknowns.
 enum class VolumetricTreatment { standard, mean_dilatation, mixed };
 enum class MassKind { consistent, lumped };
-
-/// A mechanism of damping.
-struct ViscosityConfig {
-  ViscosityLaw law;
-  std::optional<StrainRate>
-      rate;  ///< of laws that have one, instead of the rate in `law`; empty: the best for the method
-  Location where;
-};
 
 /// Contraction along fibres; functions of x, y, z, t.
 struct ActiveConfig {

@@ -15,8 +15,10 @@ struct FieldColumnConfig {
   /// `norm`: the root of the integral of the square, over all components.
   enum class Take { max, min, mean, integral, norm };
   std::string name;
-  Located<std::string> of;                 ///< a field, or a component of one (input/output_fields.hpp)
-  std::optional<Located<std::string>> in;  ///< name of a volume or surface; empty: all bodies
+  Located<std::string> of;  ///< a field, or a component of one (input/output_fields.hpp)
+  /// Name of a volume or surface, of a free shell, or of a shell or rod where the field is of those; empty: all bodies,
+  /// shells or rods.
+  std::optional<Located<std::string>> in;
   Take take = Take::max;
   Location where;
 };

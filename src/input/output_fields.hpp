@@ -25,15 +25,25 @@ inline constexpr int num_components(FieldShape shape) {
   return counts[static_cast<std::size_t>(shape)];
 }
 
+/// What has the field.
+enum class FieldOwner {
+  nodes,    ///< everything
+  bodies,   ///< tetrahedra
+  contact,  ///< nodes of surfaces that may touch something
+  shells,
+  rods
+};
+
 struct OutputFieldInfo {
   std::string_view name;
   FieldShape shape = FieldShape::scalar;
+  FieldOwner owner = FieldOwner::bodies;
 };
 
-inline constexpr std::array<OutputFieldInfo, 23> output_fields{{
-    {"displacement", FieldShape::vector},
-    {"velocity", FieldShape::vector},
-    {"acceleration", FieldShape::vector},
+inline constexpr std::array<OutputFieldInfo, 31> output_fields{{
+    {"displacement", FieldShape::vector, FieldOwner::nodes},
+    {"velocity", FieldShape::vector, FieldOwner::nodes},
+    {"acceleration", FieldShape::vector, FieldOwner::nodes},
     {"cauchy_stress", FieldShape::symmetric},
     {"elastic_cauchy_stress", FieldShape::symmetric},
     {"viscous_cauchy_stress", FieldShape::symmetric},
@@ -51,9 +61,17 @@ inline constexpr std::array<OutputFieldInfo, 23> output_fields{{
     {"viscous_energy_density"},
     {"softening"},
     {"discretization_error"},
-    {"contact_pressure"},
-    {"contact_gap"},
-    {"contact_slip", FieldShape::vector},
+    {"contact_pressure", FieldShape::scalar, FieldOwner::contact},
+    {"contact_gap", FieldShape::scalar, FieldOwner::contact},
+    {"contact_slip", FieldShape::vector, FieldOwner::contact},
+    {"membrane_force", FieldShape::symmetric, FieldOwner::shells},
+    {"principal_membrane_force", FieldShape::principal, FieldOwner::shells},
+    {"bending_moment", FieldShape::symmetric, FieldOwner::shells},
+    {"principal_bending_moment", FieldShape::principal, FieldOwner::shells},
+    {"principal_curvature", FieldShape::principal, FieldOwner::shells},
+    {"rod_force", FieldShape::scalar, FieldOwner::rods},
+    {"rod_bending_moment", FieldShape::scalar, FieldOwner::rods},
+    {"rod_torque", FieldShape::scalar, FieldOwner::rods},
 }};
 
 /// The first columns of every history, in this order.

@@ -3,6 +3,7 @@
 
 #include "input/material_config.hpp"
 #include "input/selection.hpp"
+#include "input/viscosity_config.hpp"
 
 #include <array>
 #include <optional>
@@ -28,6 +29,7 @@ struct ShellConfig {
   std::vector<double> prestretch;                  ///< one number, or two along and across `direction`
   std::optional<std::array<double, 3>> direction;  ///< of any length
   double damping = 0.0;                            ///< viscous resistance per stiffness [s]
+  std::vector<ViscosityConfig> viscosity;          ///< in parallel; kelvin-voigt or stiffness-proportional
   bool bends = false;                              ///< whether it resists bending too
   bool is_free = false;                            ///< a body of its own, whose triangles bound no tetrahedron
   std::vector<ClampedEdgeConfig> clamped;          ///< edges that hold their direction

@@ -11,12 +11,15 @@
 
 namespace pliant {
 
-/// A volume or a surface, as this rank's part of it; each cell and facet belongs to one rank's.
+/// A volume or a surface, as this rank's part of it; each cell and facet belongs to one rank's. Or shells or rods, for
+/// fields of those.
 struct FieldRegion {
   std::vector<PetscInt> cells;  ///< owned; none of a surface
   int nodes_per_facet = 3;
   std::vector<PetscInt> facets;                       ///< local nodes; none of a volume
   std::vector<std::array<PetscInt, 2>> facets_cells;  ///< local cells on both sides of each facet; -1: none
+
+  std::vector<std::size_t> parts;  ///< numbers of shells or rods, if the field is of those
 
   std::span<const PetscInt> nodes_of_facet(std::size_t facet) const {
     const auto width = static_cast<std::size_t>(nodes_per_facet);
@@ -24,9 +27,9 @@ struct FieldRegion {
   }
 };
 
-/// One for each entry of `output.history`. `left_out`: cells that stand for bodies without a mesh; empty: none. Reports
-/// names that the mesh does not have to `selections`. Collective.
+/// One for each entry of `output.history`. Cells that stand for bodies without a mesh are left out; free shells are
+/// their triangles. Reports names that the mesh does not have to `selections`. Collective.
 std::vector<FieldRegion> find_field_regions(const Config& config, const NodeLayout& layout,
-                                            const std::vector<char>& left_out, Selections& selections);
+                                            const std::vector<int>& body_of_cell, Selections& selections);
 
 }  // namespace pliant

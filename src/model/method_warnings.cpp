@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/tensor.hpp"
 #include "base/text.hpp"
+#include "model/shells.hpp"
 #include "petsc/collective.hpp"
 #include "time/linear_stability.hpp"
 
@@ -118,10 +119,18 @@ std::optional<Diagnostic> rotation_warning(const Config& config, const Method& m
           method.name, format_number(dt), angle * 180.0 / std::numbers::pi, worst, sound)};
 }
 
+/// Whether any body vibrates without viscosity.
+bool has_undamped_body(const Config& config) {
+  return std::ranges::any_of(config.bodies, [&](const BodyConfig& body) {
+    const auto shell = std::ranges::find(config.shells, body.part.name, &ShellConfig::name);
+    if (body.is_shell && shell != config.shells.end()) return !viscosity_of(*shell).is_any();
+    return !body.is_rigid && body.viscosity.empty();
+  });
+}
+
 /// Warns of vibrations of the body that the method amplifies.
 std::optional<Diagnostic> vibration_warning(const Config& config, const Method& method, const MotionAtStart& at) {
-  const auto rings = [](const BodyConfig& body) { return !body.is_rigid && body.viscosity.empty(); };
-  if (method.stability != Stability::not_a_stable || std::ranges::none_of(config.bodies, rings)) return std::nullopt;
+  if (method.stability != Stability::not_a_stable || !has_undamped_body(config)) return std::nullopt;
   const double dt = config.time.step;
   const auto& b = at.mesh.bounds;
   const double length = std::max({b[3] - b[0], b[4] - b[1], b[5] - b[2]});
@@ -179,8 +188,7 @@ std::vector<Diagnostic> warnings_about_method(const Config& config, const Motion
 
 std::optional<Diagnostic> note_about_growth(const Config& config) {
   const Method* method = method_of(config.time);
-  const auto rings = [](const BodyConfig& body) { return !body.is_rigid && body.viscosity.empty(); };
-  if (method == nullptr || method->stability != Stability::not_a_stable || std::ranges::none_of(config.bodies, rings)) {
+  if (method == nullptr || method->stability != Stability::not_a_stable || !has_undamped_body(config)) {
     return std::nullopt;
   }
   return note(

@@ -202,7 +202,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
                            selections.facets(Selection{}), *as_meshed, layout_));
     }
   }
-  field_regions_ = find_field_regions(config, layout_, cells_without_mesh(config, body_of_cell_), selections);
+  field_regions_ = find_field_regions(config, layout_, body_of_cell_, selections);
   constraints_ = std::make_unique<Constraints>(config, layout_, selections);
   require_factorization(config, constraints_->map() == nullptr && may_touch.each_other.empty());
   include(constraints_->description());

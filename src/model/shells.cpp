@@ -40,7 +40,7 @@ void require_compressible_layer(const ElasticLawSpec& law, const ShellConfig& co
 MembraneTerms membrane_of(const ShellConfig& config, const NodeLayout& layout, const BlockPattern& pattern,
                           const FacetList& facets) {
   const ElasticityRule rule(config.elasticity);
-  LayerMaterial material{rule.kind(), {}, config.damping};
+  LayerMaterial material{rule.kind(), {}, viscosity_of(config)};
   const auto law_at = [&](const std::array<double, 3>& X) {
     ElasticLawSpec law = rule.law_at(0, X);
     require_compressible_layer(law, config);
@@ -82,6 +82,15 @@ std::unique_ptr<ShellBending> bending_of(const ShellConfig& config, const NodeLa
   return bending;
 }
 
+/// Strain at a distance z from the middle is z k: int z^2 dz = h^3/12.
+std::unique_ptr<ShellBendingViscosity> bending_viscosity_of(const ShellConfig& config, const ShellBending& bending) {
+  const LayerViscosity viscosity = viscosity_of(config);
+  if (!viscosity.is_any()) return nullptr;
+  const double h = shape_of(config).volume_per_area(), inertia = h * h * h / 12.0;
+  return std::make_unique<ShellBendingViscosity>(
+      bending, BendingResistance{viscosity.damping, inertia * viscosity.trace(), inertia * 2.0 * viscosity.shear});
+}
+
 /// Reports a plane of symmetry in which the edges do not lie.
 void check_plane(const NodeLayout& layout, const EdgeList& edges, const Vector3<double>& normal, const Selection& part,
                  Selections& selections) {
@@ -102,6 +111,19 @@ void check_plane(const NodeLayout& layout, const EdgeList& edges, const Vector3<
 
 double thickness_at_start(const ShellConfig& config) {
   return shape_of(config).volume_per_area();
+}
+
+LayerViscosity viscosity_of(const ShellConfig& config) {
+  LayerViscosity result{config.damping, 0.0, 0.0};
+  for (const ViscosityConfig& mechanism : config.viscosity) {
+    if (const auto* proportional = std::get_if<StiffnessProportional>(&mechanism.law)) {
+      result.damping += proportional->time;
+    } else if (const auto* newtonian = std::get_if<KelvinVoigt>(&mechanism.law)) {
+      result.shear += newtonian->shear;
+      result.bulk += newtonian->bulk;
+    }
+  }
+  return result;
 }
 
 bool has_free_shells(const Config& config) {
@@ -192,7 +214,9 @@ void build_shells(const Config& config, const NodeLayout& layout, const BlockPat
   });
   for (std::size_t k = 0; k < shells.shells.size(); ++k) {
     ModelShell& shell = shells.shells[k];
-    if (config.shells[k].bends) shell.bending = bending_of(config.shells[k], layout, shell);
+    if (!config.shells[k].bends) continue;
+    shell.bending = bending_of(config.shells[k], layout, shell);
+    shell.bending_viscosity = bending_viscosity_of(config.shells[k], *shell.bending);
   }
 }
 

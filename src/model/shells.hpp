@@ -3,6 +3,7 @@
 
 #include "energy/shell/membrane.hpp"
 #include "energy/shell/shell_bending.hpp"
+#include "energy/shell/shell_bending_viscosity.hpp"
 #include "fem/probe.hpp"
 #include "input/config.hpp"
 #include "mesh/mesh.hpp"
@@ -20,13 +21,16 @@ struct ModelShell {
   std::string name;
   FacetList facets;
   std::vector<ClampedEdges> clamped;
-  double mass_per_area = 0.0;             ///< [kg/m^2]
-  double area = 0.0;                      ///< of the facets on all ranks [m^2]
-  PetscInt64 num_facets = 0;              ///< likewise
-  MembraneTerms membrane;                 ///< build_shells
-  std::unique_ptr<ShellBending> bending;  ///< likewise; nullptr: none
+  double mass_per_area = 0.0;                                ///< [kg/m^2]
+  double area = 0.0;                                         ///< of the facets on all ranks [m^2]
+  PetscInt64 num_facets = 0;                                 ///< likewise
+  MembraneTerms membrane;                                    ///< build_shells
+  std::unique_ptr<ShellBending> bending;                     ///< likewise; nullptr: none
+  std::unique_ptr<ShellBendingViscosity> bending_viscosity;  ///< likewise
 };
 
+/// What resists rates of strain in a layer.
+LayerViscosity viscosity_of(const ShellConfig& config);
 /// Whether any shell is a body of its own.
 bool has_free_shells(const Config& config);
 /// Adds free shells to the bodies, after the others.
@@ -51,6 +55,7 @@ struct ModelShells {
       result.push_back(shell.membrane.elasticity.get());
       if (shell.membrane.viscosity && has_velocity) result.push_back(shell.membrane.viscosity.get());
       if (shell.bending) result.push_back(shell.bending.get());
+      if (shell.bending_viscosity && has_velocity) result.push_back(shell.bending_viscosity.get());
     }
     return result;
   }

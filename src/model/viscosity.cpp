@@ -4,6 +4,7 @@
 #include "energy/volume/prony.hpp"
 #include "energy/volume/viscous.hpp"
 #include "input/analysis.hpp"
+#include "model/shells.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -79,7 +80,8 @@ std::vector<std::unique_ptr<EnergyTerm>> make_terms(const Config& config, const 
 }  // namespace
 
 bool has_viscosity(const Config& config) {
-  return std::ranges::any_of(config.bodies, [](const BodyConfig& body) { return !body.viscosity.empty(); });
+  return std::ranges::any_of(config.bodies, [](const BodyConfig& body) { return !body.viscosity.empty(); }) ||
+         std::ranges::any_of(config.shells, [](const ShellConfig& shell) { return viscosity_of(shell).is_any(); });
 }
 
 std::vector<std::unique_ptr<EnergyTerm>> make_viscous_terms(const Config& config, const BodyParts& on) {

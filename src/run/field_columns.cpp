@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::string_view gradient_name = "displacement_gradient";
 constexpr std::string_view displacement_name = "displacement";
+constexpr std::string_view curvature_name = "principal_curvature";
 
 std::vector<double> sizes_of(const NodeLayout& layout, const FieldRegion& region) {
   std::vector<double> sizes;
@@ -34,7 +35,7 @@ double norm_of(const double* values, std::size_t count) {
 }  // namespace
 
 FieldColumns::FieldColumns(const Config& config, const Model& model, ResultFields& fields)
-    : layout_(model.layout()), fields_(fields) {
+    : model_(model), layout_(model.layout()), fields_(fields) {
   const auto need = [&](std::string_view name) {
     if (std::ranges::find(names_, name) == names_.end()) names_.emplace_back(name);
   };
@@ -42,7 +43,8 @@ FieldColumns::FieldColumns(const Config& config, const Model& model, ResultField
     const FieldColumnConfig& column = config.output.history[k];
     const FieldRegion& region = model.field_regions()[k];
     columns_.push_back({*field_component(column.of.value), column.take, &region, sizes_of(layout_, region)});
-    need(columns_.back().of.field.name);
+    const FieldOwner owner = columns_.back().of.field.owner;
+    if (owner != FieldOwner::shells && owner != FieldOwner::rods) need(columns_.back().of.field.name);
     if (column.of.value == gradient_name && column.take == Take::norm) need(displacement_name);
   }
 }
@@ -114,6 +116,38 @@ void FieldColumns::take_squares_of_gradient(const Column& column, std::span<cons
   }
 }
 
+void FieldColumns::take_from_shells(const Column& column, const StepRecord& record, Partial& sum) const {
+  const std::string_view name = column.of.field.name;
+  std::array<double, 6> values{};
+  for (const std::size_t shell : column.region->parts) {
+    for (const LayerFacet& facet : fields_.facets_of_shell(shell, record)) {
+      if (!facet.is_counted || (name == curvature_name && !facet.has_curvature)) continue;
+      put_shell_field(name, facet.state, values.data());
+      compare(column, values.data(), sum);
+      add(column, facet.area, values.data(), sum);
+    }
+  }
+}
+
+/// Every rank knows all of them: the first takes them.
+void FieldColumns::take_from_rods(const Column& column, const StepRecord& record, Partial& sum) const {
+  const RodState& state = fields_.rods(record);
+  int rank = 0;
+  check_mpi(MPI_Comm_rank(layout_.comm, &rank));
+  if (rank != 0) return;
+  for (const std::size_t number : column.region->parts) {
+    const ModelRod& rod = model_.rods().rods[number];
+    for (std::size_t s = rod.first_segment; s < rod.first_segment + rod.num_segments(); ++s) {
+      const double value = rod_field(column.of.field.name, state.middles[s]);
+      add(column, model_.rods().term->length_of(s), &value, sum);
+      for (const RodResultants& end : state.ends[s]) {
+        const double at_end = rod_field(column.of.field.name, end);
+        compare(column, &at_end, sum);
+      }
+    }
+  }
+}
+
 std::vector<double> FieldColumns::values(const StepRecord& record) {
   if (columns_.empty()) return {};
   const std::vector<FieldValues> fields = fields_.at(record, names_);
@@ -123,6 +157,13 @@ std::vector<double> FieldColumns::values(const StepRecord& record) {
   std::vector<double> sums, largest;
   for (const Column& column : columns_) {
     Partial sum;
+    if (column.of.field.owner == FieldOwner::shells || column.of.field.owner == FieldOwner::rods) {
+      column.of.field.owner == FieldOwner::shells ? take_from_shells(column, record, sum)
+                                                  : take_from_rods(column, record, sum);
+      sums.insert(sums.end(), {sum.integral, sum.size});
+      largest.push_back(sum.largest);
+      continue;
+    }
     const FieldValues& field = field_of(column.of.field.name);
     const bool is_exact = column.of.field.name == gradient_name && !column.of.component && column.take == Take::norm &&
                           field.location == FieldLocation::cell && column.region->facets_cells.empty();

@@ -38,11 +38,14 @@ class FieldColumns {
 
   void take_from_cells(const Column& column, const FieldValues& field, Partial& sum) const;
   void take_from_nodes(const Column& column, const FieldValues& field, Partial& sum) const;
+  void take_from_shells(const Column& column, const StepRecord& record, Partial& sum) const;
+  void take_from_rods(const Column& column, const StepRecord& record, Partial& sum) const;
   /// The square of grad u at all points of the cells, which are not only centroids.
   void take_squares_of_gradient(const Column& column, std::span<const double> u, Partial& sum) const;
   static void add(const Column& column, double weight, const double* values, Partial& sum);
   static void compare(const Column& column, const double* values, Partial& sum);
 
+  const Model& model_;
   const NodeLayout& layout_;
   ResultFields& fields_;
   std::vector<Column> columns_;

@@ -101,6 +101,43 @@ constexpr std::array<ContactResult, 3> contact_results{{
     {"contact_slip", "m/s", [](const NodalContact& c, double* out) { std::ranges::copy(c.slip, out); }},
 }};
 
+/// A field of shells, per node in frames.
+struct ShellResult {
+  std::string_view name;
+  const char* unit;
+  void (*put)(const LayerState&, double*);
+};
+
+template <std::array<double, 6> LayerState::*tensor>
+void put_layer_tensor(const LayerState& state, double* out) {
+  std::ranges::copy(state.*tensor, out);
+}
+template <std::array<double, 6> LayerState::*tensor>
+void put_principal(const LayerState& state, double* out) {
+  std::ranges::copy(principal_values_in_layer(state.*tensor), out);
+}
+
+constexpr std::array<ShellResult, 5> shell_results{{
+    {"membrane_force", "N/m", put_layer_tensor<&LayerState::force>},
+    {"principal_membrane_force", "N/m", put_principal<&LayerState::force>},
+    {"bending_moment", "N", put_layer_tensor<&LayerState::moment>},
+    {"principal_bending_moment", "N", put_principal<&LayerState::moment>},
+    {"principal_curvature", "1/m", put_principal<&LayerState::curvature>},
+}};
+
+/// A field of rods, per cell.
+struct RodResult {
+  std::string_view name;
+  const char* unit;
+  double RodResultants::*value;
+};
+
+constexpr std::array<RodResult, 3> rod_results{{
+    {"rod_force", "N", &RodResultants::force},
+    {"rod_bending_moment", "N m", &RodResultants::bending_moment},
+    {"rod_torque", "N m", &RodResultants::torque},
+}};
+
 constexpr std::string_view error_name = "discretization_error";
 constexpr const char* error_unit = "J/m^3";
 
@@ -131,7 +168,21 @@ const char* unit_of_field(std::string_view name) {
   for (const auto& of : contact_results) {
     if (of.name == name) return of.unit;
   }
+  for (const auto& of : shell_results) {
+    if (of.name == name) return of.unit;
+  }
+  for (const auto& of : rod_results) {
+    if (of.name == name) return of.unit;
+  }
   return name == error_name ? error_unit : "";
+}
+
+void put_shell_field(std::string_view name, const LayerState& state, double* out) {
+  std::ranges::find(shell_results, name, &ShellResult::name)->put(state, out);
+}
+
+double rod_field(std::string_view name, const RodResultants& of) {
+  return of.*(std::ranges::find(rod_results, name, &RodResult::name)->value);
 }
 
 std::array<double, 6> CellState::total_cauchy() const {
@@ -145,9 +196,11 @@ std::array<double, 6> CellState::total_cauchy() const {
 ResultFields::ResultFields(const Config& config, Model& model)
     : model_(model),
       shells_(config, model),
+      shell_fields_(config, model),
       time_scale_(config.time.step > 0.0 ? config.time.step : 1.0),
       is_nodal_(config.output.is_nodal),
-      work_(make_vector(model.layout())) {
+      work_(make_vector(model.layout())),
+      facets_(config.shells.size()) {
   const std::vector<std::string> names = names_in_use(config);
   if (asks_for_mesh_error(config)) mesh_error_.emplace(model);
   const auto is_of_cells = [&](const CellResult& of) { return std::ranges::find(names, of.name) != names.end(); };
@@ -164,6 +217,7 @@ ResultFields::ResultFields(const Config& config, Model& model)
 void ResultFields::forget() {
   step_of_cells_.reset();
   step_of_nodes_.reset();
+  step_of_parts_.reset();
   if (mesh_error_) mesh_error_->forget();
 }
 
@@ -219,17 +273,20 @@ std::vector<double> ResultFields::of_nodes(Vec values) {
 
 void ResultFields::with_ghosts(std::vector<double>& owned, std::size_t width) {
   const NodeLayout& layout = model_.layout();
-  {
-    const ArrayView view(work_.get());
-    for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
-      for (std::size_t c = 0; c < width; ++c) view[3 * n + static_cast<PetscInt>(c)] = owned[width * n + c];
-    }
-  }
-  update_ghosts(work_.get());
-  const ConstGhostedView view(work_.get());
   owned.resize(width * static_cast<std::size_t>(layout.num_local_nodes));
-  for (PetscInt n = layout.num_owned_nodes; n < layout.num_local_nodes; ++n) {
-    for (std::size_t c = 0; c < width; ++c) owned[width * n + c] = view.span()[3 * n + c];
+  for (std::size_t first = 0; first < width; first += 3) {  // as many as the vector has for each node
+    const std::size_t count = std::min<std::size_t>(3, width - first);
+    {
+      const ArrayView view(work_.get());
+      for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
+        for (std::size_t c = 0; c < count; ++c) view[3 * n + static_cast<PetscInt>(c)] = owned[width * n + first + c];
+      }
+    }
+    update_ghosts(work_.get());
+    const ConstGhostedView view(work_.get());
+    for (PetscInt n = layout.num_owned_nodes; n < layout.num_local_nodes; ++n) {
+      for (std::size_t c = 0; c < count; ++c) owned[width * n + first + c] = view.span()[3 * n + c];
+    }
   }
 }
 
@@ -250,6 +307,53 @@ void ResultFields::add_contact_fields(const StepRecord& record, std::span<const 
   }
 }
 
+const std::vector<LayerFacet>& ResultFields::facets_of_shell(std::size_t shell, const StepRecord& record) {
+  forget_parts_before(record.step);
+  if (!facets_[shell]) facets_[shell] = shell_fields_.of_facets(shell, record);
+  return *facets_[shell];
+}
+
+const RodState& ResultFields::rods(const StepRecord& record) {
+  forget_parts_before(record.step);
+  if (!rods_) rods_ = state_of_rods(model_, record);
+  return *rods_;
+}
+
+void ResultFields::forget_parts_before(std::int64_t step) {
+  if (step_of_parts_ == step) return;
+  step_of_parts_ = step;
+  for (auto& facets : facets_) facets.reset();
+  rods_.reset();
+}
+
+void ResultFields::add_shell_fields(const StepRecord& record, std::span<const std::string> names,
+                                    std::vector<FieldValues>& fields) {
+  std::optional<std::vector<LayerState>> nodes;
+  for (const ShellResult& of : shell_results) {
+    if (std::ranges::find(names, of.name) == names.end()) continue;
+    if (!nodes) nodes = shell_fields_.at_nodes(record);
+    FieldValues field{info_of_field(of.name), of.unit, FieldLocation::node, {}};
+    field.values.resize(field.width() * nodes->size());
+    for (std::size_t n = 0; n < nodes->size(); ++n) of.put((*nodes)[n], &field.values[field.width() * n]);
+    with_ghosts(field.values, field.width());
+    shells_.average(field.values, field.width());
+    fields.push_back(std::move(field));
+  }
+}
+
+void ResultFields::add_rod_fields(const StepRecord& record, std::span<const std::string> names,
+                                  std::vector<FieldValues>& fields) {
+  for (const RodResult& of : rod_results) {
+    if (std::ranges::find(names, of.name) == names.end()) continue;
+    FieldValues field{info_of_field(of.name), of.unit, FieldLocation::cell, {}};
+    const RodState& state = rods(record);
+    for (const std::ptrdiff_t segment : model_.rods().term->segment_of_cell()) {
+      field.values.push_back(segment < 0 ? 0.0 : state.middles[static_cast<std::size_t>(segment)].*of.value);
+    }
+    fields.push_back(std::move(field));
+  }
+}
+
 std::vector<FieldValues> ResultFields::at(const StepRecord& record, std::span<const std::string> names) {
   std::vector<FieldValues> fields;
   const auto is_wanted = [&](std::string_view name) { return std::ranges::find(names, name) != names.end(); };
@@ -264,6 +368,8 @@ std::vector<FieldValues> ResultFields::at(const StepRecord& record, std::span<co
     }
   }
   if (model_.contacts() != nullptr) add_contact_fields(record, names, fields);
+  if (!model_.shells().shells.empty()) add_shell_fields(record, names, fields);
+  if (model_.rods().term) add_rod_fields(record, names, fields);
   for (const CellResult& of : cell_results) {
     if (!is_wanted(of.name)) continue;
     const std::vector<CellState>& states = is_nodal_ ? nodes(record) : cells(record);

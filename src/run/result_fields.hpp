@@ -7,7 +7,9 @@
 #include "io/result_writer.hpp"
 #include "model/model.hpp"
 #include "run/discretization_error.hpp"
+#include "run/rod_fields.hpp"
 #include "run/shell_drawing.hpp"
+#include "run/shell_fields.hpp"
 #include "run/simulation.hpp"
 
 #include <array>
@@ -41,6 +43,10 @@ struct FieldValues {
   std::size_t width() const { return static_cast<std::size_t>(num_components(info.shape)); }
 };
 
+/// The components of a field of shells or of rods, in the state of a facet or a section.
+void put_shell_field(std::string_view name, const LayerState& state, double* out);
+double rod_field(std::string_view name, const RodResultants& of);
+
 /// The unit of a field; empty: none.
 const char* unit_of_field(std::string_view name);
 
@@ -54,6 +60,9 @@ class ResultFields {
   std::vector<FieldValues> at(const StepRecord& record, std::span<const std::string> names);
   /// Collective; only if the input asks for the error.
   const MeshError& mesh_error(const StepRecord& record) { return mesh_error_->at(record); }
+  /// The facets of a shell, and the segments of all rods, for columns that are taken from them. Collective.
+  const std::vector<LayerFacet>& facets_of_shell(std::size_t shell, const StepRecord& record);
+  const RodState& rods(const StepRecord& record);
   void forget();
   bool has_mesh_error() const { return mesh_error_.has_value(); }
 
@@ -63,18 +72,24 @@ class ResultFields {
   std::vector<double> of_nodes(Vec values);
   void add_contact_fields(const StepRecord& record, std::span<const std::string> names,
                           std::vector<FieldValues>& fields);
+  void add_shell_fields(const StepRecord& record, std::span<const std::string> names, std::vector<FieldValues>& fields);
+  void add_rod_fields(const StepRecord& record, std::span<const std::string> names, std::vector<FieldValues>& fields);
+  void forget_parts_before(std::int64_t step);
   void with_ghosts(std::vector<double>& owned, std::size_t width);
 
   Model& model_;
   ShellDrawing shells_;
+  ShellFields shell_fields_;
   double time_scale_;  // interval from which velocities of obstacles are computed [s]
   bool is_nodal_;
   Handle<Vec> work_;
   std::optional<PatchRecovery> recovery_;  // if cells are smoothed
   std::vector<char> is_elastic_;
   std::optional<DiscretizationError> mesh_error_;
-  std::optional<std::int64_t> step_of_cells_, step_of_nodes_;
+  std::optional<std::int64_t> step_of_cells_, step_of_nodes_, step_of_parts_;
   std::vector<CellState> cells_, nodes_;
+  std::vector<std::optional<std::vector<LayerFacet>>> facets_;  // of each shell, at the step of parts
+  std::optional<RodState> rods_;                                // likewise
 };
 
 }  // namespace pliant

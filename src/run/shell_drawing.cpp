@@ -74,8 +74,16 @@ void ShellDrawing::displace(std::span<double> displacements) const {
   }
 }
 
-void ShellDrawing::average(std::span<double> values) const {
-  for (const Shown& shown : nodes_) set(values, shown.inert.node, mean(values, shown.inert));
+void ShellDrawing::average(std::span<double> values, std::size_t width) const {
+  for (const auto& [inert, depth] : nodes_) {
+    for (std::size_t i = 0; i < width; ++i) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        sum += inert.weights[k] * values[width * static_cast<std::size_t>(inert.corners[k]) + i];
+      }
+      values[width * static_cast<std::size_t>(inert.node) + i] = sum;
+    }
+  }
 }
 
 }  // namespace pliant

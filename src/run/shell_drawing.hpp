@@ -21,8 +21,8 @@ class ShellDrawing {
   void place(std::span<double> positions) const;
   /// Sets inert nodes of displacements from the places in the result, xyz of local nodes [m].
   void displace(std::span<double> displacements) const;
-  /// Sets inert nodes of another field of the nodes to means of their corners, three components of local nodes.
-  void average(std::span<double> values) const;
+  /// Sets inert nodes of another field of the nodes to means of their corners, `width` components of local nodes.
+  void average(std::span<double> values, std::size_t width = 3) const;
 
  private:
   struct Shown {

@@ -266,6 +266,7 @@ void Vibration::set_damping(const Config& config, const BaseState& about) {
   if (const auto& of_rods = model_.rods().viscosity) terms.push_back(of_rods.get());
   for (const ModelShell& shell : model_.shells().shells) {
     if (shell.membrane.viscosity) terms.push_back(shell.membrane.viscosity.get());
+    if (shell.bending_viscosity) terms.push_back(shell.bending_viscosity.get());
   }
   if (terms.empty()) return;
   damping_ = std::make_unique<IncrementalPotential>(model_.layout(), model_.pattern(), std::move(terms),

@@ -115,7 +115,7 @@ std::unique_ptr<DeadLoad> Solid::gravity(double density, const std::array<Expres
 MembraneTerms Solid::membrane(const ElasticLawSpec& law) const {
   const auto facets = surface_facets(mesh(), layout(), [](const Point&) { return true; });
   const LayerShape shape{0.1, {1.1, 0.95}, Point{0.3, 0.5, 0.8}};
-  return make_membrane(layout(), pattern(), facets, shape, {law, {}, 0.02});
+  return make_membrane(layout(), pattern(), facets, shape, {law, {}, {0.02, 0.7, 0.4}});
 }
 
 std::unique_ptr<DeadLoad> Solid::traction(const std::array<Expression, 3>& value) const {

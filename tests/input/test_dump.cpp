@@ -89,6 +89,7 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
        "curve: c, radius: 1, density: 1, youngs_modulus: 1, poissons_ratio: 0}]"},
       {"shells",
        "[{name: s, surface: a, thickness: 1, density: 1, prestretch: [1, 1.1], direction: [1, 0, 0], damping: 1, "
+       "viscosity: [{model: kelvin-voigt, shear: 1, bulk: 1}, {model: stiffness-proportional, time: 1}], "
        "bending: true, free: true, clamped: [{curve: c, normal: [1, 0, 0]}], elasticity: {model: linear, "
        "youngs_modulus: 1, poissons_ratio: 0}}, {name: t, box: [[0, 0, 0], "
        "[1, 1, 1]], thickness: 1, elasticity: {library: ecoflex-00-30}}, {name: u, where: \"z < 0.1\", thickness: 1, "

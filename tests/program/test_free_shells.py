@@ -6,7 +6,7 @@ import unittest
 
 import numpy as np
 
-from program import ALL_OR_SOME, ROOT, ProgramTest, read_history, swept
+from program import ROOT, ProgramTest, read_history, swept
 from shell_meshes import write_ball, write_patch
 
 sys.path.insert(0, str(ROOT / "src/python"))
@@ -169,9 +169,46 @@ probes: [{{name: pole, point: [{R}, 0, 0]}}]
             np.testing.assert_allclose(self.end_of(text, ranks)["pole_x"] / R, stretch, rtol=0.012)  # of the mesh
 
     def test_orders(self):
-        self.patch((4, 2), lambda s, t: (s, 0.4 * t, 0.0))
-        self.write("in.yaml", SHAKEN + "time: {method: bdf2, step: 2 ms, end: 0.1, startup: dirk33}\n")
-        self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", ALL_OR_SOME)
+        # All methods, whether or not the long tests run: the mesh is small.
+        self.patch((2, 1), lambda s, t: (s, 0.4 * t, 0.0))
+        viscous = "viscosity: {model: kelvin-voigt, shear: 3 kPa*s, bulk: 1 kPa*s}"
+        for law in swept(("damping: 1 ms", viscous), (viscous,)):
+            self.write("in.yaml", SHAKEN.replace("damping: 1 ms", law) + "time: {method: bdf2, step: 2 ms, end: 0.1, startup: dirk33}\n")
+            self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", "all")
+
+    def test_viscosity(self):
+        # A sheet that is pulled at constant speed, and does not contract: elastic and viscous stress in plane stress.
+        E, nu, h, shear, bulk, speed = 1e5, 0.3, 1e-3, 2e3, 1.5e3, 0.5
+        self.patch(2, flat, jitter=0.2)
+        h_of = lambda viscosity, time: self.solve(f"""mesh: {{file: sheet.msh}}
+shells: [{{name: sheet, surface: sheet, free: true, thickness: {h}, {LAW % (E, nu)}, viscosity: {viscosity}}}]
+constraints:
+  - {{curve: s0, displacement: [0, free, free]}}
+  - {{curve: s1, displacement: ["{speed}*t", free, free], name: right}}
+  - {{where: "x > -1", displacement: [free, 0, 0]}}
+""", time)
+        row = h_of(f"{{model: kelvin-voigt, shear: {shear}, bulk: {bulk}}}", "method: quasistatic, step: 50 ms, end: 0.4")
+        F = 1 + speed * row["time"]
+        of_trace = 2 * shear * (bulk - 2 / 3 * shear) / (bulk + 4 / 3 * shear)
+        elastic, viscous = E / (1 - nu**2) * (F**2 - 1) / 2, (of_trace + 2 * shear) * F * speed
+        np.testing.assert_allclose(row["right_fx"][1:], (h * F * (elastic + viscous))[1:], rtol=1e-6)
+        # Kelvin-Voigt in the ratio of the elastic moduli is stiffness-proportional, in bending too, and damping is that.
+        self.patch((3, 2), lambda s, t: (s, 0.4 * t, 0.0))
+        time = "method: dirk22, step: 10 ms, end: 0.1"
+        beta, E = 2e-3, 1e7
+        laws = [f"damping: {beta}", f"viscosity: {{model: stiffness-proportional, time: {beta}}}",
+                f"viscosity: {{model: kelvin-voigt, shear: {beta * E / (2 * (1 + nu))}, bulk: {beta * E / (3 * (1 - 2 * nu))}}}"]
+        one, *others = [self.solve(SHAKEN.replace("damping: 1 ms", law) + "solver: {newton: {relative: 1e-12}}\n", time) for law in laws]
+        self.assertGreater(one["dissipated_shell_viscosity"][-1], 0.003 * one["load_work"][-1])
+        self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-6 * np.abs(one["load_work"]).max())
+        for other in others:
+            self.assert_same_history(one, other, 1e-7)
+        # A vibration of the circular frequency w has the damping ratio beta w/2, here of bending.
+        self.write("in.yaml", SHAKEN.split("loads:")[0].replace("damping: 1 ms", laws[2]) + "time: {method: bdf2, step: 1 ms, end: 1}\n")
+        self.pliant("modes", "in.yaml", "--output", "modes", "--number", "3")
+        with open(self.directory / "modes/modes.csv", encoding="ascii", newline="") as stream:
+            for mode in csv.DictReader(stream):
+                np.testing.assert_allclose(float(mode["damping_ratio"]), beta * np.pi * float(mode["frequency"]), rtol=1e-5)
 
     def test_ranks_restart_and_ledger(self):
         self.patch((6, 3), lambda s, t: (s, 0.4 * t, 0.0), alternate=True)
@@ -249,6 +286,8 @@ constraints:
                 "time: {method: bdf2, step: 4 ms, end: 0.2}", "time: {method: static}"),
             "has the name of a body or a rod": text + "rods: [{name: flag, points: [[0, 0, 1], [1, 0, 1]], radius: 1 mm, youngs_modulus: 1, "
             "poissons_ratio: 0, density: 1, start: ground}]\n",
+            "the viscosity of shell 'flag' has no effect without 'shear'": text.replace(
+                "damping: 1 ms", "viscosity: {model: kelvin-voigt, shear: 0, bulk: 1}"),
             "missing key 'mesh'": text.replace("mesh: {file: sheet.msh}\n", ""),
         }
         for message, wrong in cases.items():

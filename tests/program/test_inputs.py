@@ -9,6 +9,7 @@ SMALL = {
     "beam_small.yaml": ["time.end=0.03"],
     "bellows.yaml": ["element=P1", "mesh.size=5 mm", "time.step=0.1", "time.end=0.5"],
     "bracket.yaml": ["mesh.size=0.006", "element=P1", "time.load_steps=2"],
+    "buckled_plate.yaml": ["mesh.size=0.2", "time.path.max_load=1.2"],
     "cantilever.yaml": ["mesh.size=0.2", "time.end=0.05"],
     "coil_spring.yaml": ["time.end=0.03"],
     "draped_cloth.yaml": ["time.end=0.03"],
@@ -32,6 +33,8 @@ SMALL = {
     "static_bending.yaml": ["mesh.size=0.2", "time.load_steps=4"],
     "tendon_finger.yaml": ["mesh.size=12 mm", "time.end=0.04"],
     "thrown_box.yaml": ["mesh.size=0.025", "time.end=0.8", "time.step=0.004"],
+    "wound_bend.yaml": ["loads.0.pressure=10 kPa", "time.load_steps=1"],
+    "wound_twist.yaml": ["loads.0.pressure=3 kPa", "time.load_steps=1"],
     "ventricle.yaml": ["mesh.size=0.004", "time.load_steps=10"],
 }
 SEEN = {}  # what the tests below look at is not run twice

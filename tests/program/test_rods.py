@@ -232,6 +232,39 @@ probes: [{name: tip, point: [0.1, 0.01, 0.01]}]
             h = self.solve(stiff + (late if "step" in time else bent.split("loads")[0]), time)
             np.testing.assert_array_equal(h["elastic_energy"][:3], 0)
 
+    def test_an_inextensible_fibre(self):
+        # A wire on the side of a bar that is pulled: the bar curls, and the stiffer the wire, the less depends on its stiffness.
+        self.write("bar.geo", """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 0.1, 0.02, 0.02};
+Point(101) = {0, 0.01, 0.02}; Point(102) = {0.1, 0.01, 0.02};
+Line(101) = {101, 102};
+BooleanFragments{ Volume{1}; Delete; }{ Curve{101}; Delete; }
+Physical Volume("bar") = {1};
+Physical Curve("wire") = {101};
+Physical Surface("left") = Surface In BoundingBox {-1e-6, -1, -1, 1e-6, 1, 1};
+Physical Surface("right") = Surface In BoundingBox {0.0999, -1, -1, 0.11, 1, 1};
+Mesh.MeshSizeMax = 0.012;
+""")
+        radius, of_bar = 1e-6, 1e6 * 4e-4  # so thin that it does not resist bending
+        tips, stretches = [], []
+        for ratio in (1e2, 1e3, 1e4, 1e6):
+            h = self.solve(f"""mesh: {{file: bar.geo}}
+bodies: [{{density: 1000, elasticity: {{model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.45}}}}]
+rods: [{{name: wire, curve: wire, radius: {radius}, youngs_modulus: {ratio * of_bar / (np.pi * radius**2)}, poissons_ratio: 0.3, density: 1400, start: ground}}]
+constraints: [{{surface: left, displacement: [0, 0, 0]}}]
+loads: [{{surface: right, traction: [2e5, 0, 0]}}]
+probes: [{{name: tip, point: [0.1, 0.01, 0.01]}}]
+""", "method: static, load_steps: 5")
+            self.assertEqual(len(h["step"]), 6, "a step was cut")
+            self.assertLess(h["newton_iterations"].max(), 30)
+            tips.append(h["tip_z"][-1] - 0.01)
+            stretches.append(ratio * (h["wire_length"][-1] / 0.1 - 1))
+        self.assertGreater(tips[-1], 7e-3)
+        np.testing.assert_allclose(stretches[2:], stretches[1], rtol=2e-3)  # the force in it tends to a limit
+        change = np.abs(np.diff(tips))
+        self.assertLess(change[1], 0.15 * change[0])
+        self.assertLess(change[2], 5e-4 * tips[-1])
+
     def test_results(self):
         self.solve(JOINED, "method: bdf2, step: 5 ms, end: 0.01", 2)
         result = pliant.Result(self.directory / "out")

@@ -4,6 +4,7 @@
 A row of the table in that document is a call of `row`; its numbers are those of the last `--write`, and a run that gives
 others fails.
 """
+import csv
 import json
 import sys
 import unittest
@@ -92,6 +93,44 @@ class Verification(ProgramTest):
                 self.about(case, "70 x 4", 2)
                 self.row("u_x(A)", ux, h["A_x"][-1] - 0.6, 3e-3)
                 self.row("u_y(A)", uy, h["A_y"][-1] - 0.2, 2e-3)
+
+    def test_free_shells(self):
+        h = self.history("scordelis_lo")
+        self.about("scordelis_lo", "`size` 1", 28)
+        self.row("the edge sags by", "0.3006 mm", -1e3 * h["edge_uy"][-1], 0.02)
+        h = self.history("pinched_cylinder")
+        self.about("pinched_cylinder", "32 x 32", 28)
+        self.row("the loaded point moves by", "1.82488e-5 m", -h["loaded_uy"][-1], 0.06)
+        h = self.history("hemisphere")
+        self.about("hemisphere", "16 x 16", 28)
+        self.row("u_x, outwards", "0.1849363 m", h["outwards_ux"][-1], 2e-3)
+        self.row("u_y, inwards", "-0.1890221 m", h["inwards_uy"][-1], 2e-3)
+
+    def test_plates(self):
+        D = 1e9 * 1e-6 / (12 * 0.91)
+        for case, size, coefficient, within in (("supported_plate", "1/16", "0.00406235", 0.01), ("clamped_plate", "0.03", "0.00126532", 0.015)):
+            h = self.history(case, *([] if "/" in size else [f"mesh.size={size}"]))
+            self.about(case, f"`size` {size}", 29)
+            self.row("deflection, in q a^4/D", coefficient, -h["center_uz"][-1] * D / 0.01, within)
+        self.pliant("modes", INPUTS / "supported_plate.yaml", "--output", "modes", "--number", "4")
+        with open(self.directory / "modes/modes.csv", encoding="ascii", newline="") as stream:
+            found = [float(row["frequency"]) for row in csv.DictReader(stream)]
+        self.about("supported_plate", "`size` 1/16", 29)
+        unit = np.pi / 2 * np.sqrt(D / 10)
+        for number, expected in ((0, "2"), (1, "5"), (3, "8")):
+            self.row(f"frequency of mode {number + 1}, in pi/2 sqrt(D/(rho h))/a^2", expected, found[number] / unit, 5e-3)
+
+    def test_a_plate_that_buckles(self):
+        # The critical load by Southwell's plot of the deflection over the deflection per load, below it; then the stiffness.
+        h = self.history("buckled_plate", "time.path.max_load=1.4")
+        critical = 4 * np.pi**2 * 70e9 * 1e-6 / (12 * 0.91)
+        load, w = -h["push_fx"] / critical, -h["center_uz"]
+        before = (load > 0.3) & (load < 0.85)
+        self.about("buckled_plate", "`size` 1/16", 29)
+        self.row("critical load b^2/(pi^2 D)", "4", 4 * np.polyfit(w[before] / load[before], w[before], 1)[0], 0.015)
+        after = h["load_factor"] > 1.05
+        self.row("stiffness after buckling, in that before", "0.408", np.polyfit(h["load_factor"][after], load[after], 1)[0], 0.02)
+        self.assertEqual(h["unstable_modes"].max(), 0)
 
     def test_turek_hron_dynamics(self):
         # A fifth of the period; within the difference of two time integrators at this step.

@@ -78,6 +78,16 @@ double EnergyAccounts::supplied(const Instant& from, const Instant& to, Vec q) {
   return total;
 }
 
+BodyState EnergyAccounts::state_of(const EnergyTerm& term, const Instant& at, Vec q, Vec v, Vec z) {
+  BodyState state{.at = at, .q = terms_.at_without_stage(q), .visited = VisitedCells::local};
+  if (v != nullptr) state.v = terms_.arrays().beside(v);
+  const auto terms = terms_.all();
+  const auto k = static_cast<std::size_t>(std::ranges::find(terms, &term) - terms.begin());
+  state.at.near = terms_.near(k);
+  state.z = terms_.internal_of(k, z);
+  return state;
+}
+
 void EnergyAccounts::visit_stresses(const Instant& at, Vec q, Vec v, Vec z,
                                     const std::function<void(StressPart, PetscInt, const CellStress&)>& visit) {
   BodyState state{.at = at, .q = terms_.arrays().at(q), .visited = VisitedCells::local};

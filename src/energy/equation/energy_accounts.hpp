@@ -38,6 +38,9 @@ class EnergyAccounts {
   void visit_stresses(const Instant& at, Vec q, Vec v, Vec z,
                       const std::function<void(StressPart, PetscInt, const CellStress&)>& visit);
 
+  /// The state as one of the terms sees it; valid until the next call of any method. z and v as above.
+  BodyState state_of(const EnergyTerm& term, const Instant& at, Vec q, Vec v, Vec z);
+
  private:
   StageTerms& terms_;
 };

@@ -1,6 +1,7 @@
 #include "energy/rod/rods.hpp"
 
 #include "base/compensated_sum.hpp"
+#include "energy/rod/rod_pairs.hpp"
 #include "fem/straight_cell.hpp"
 
 #include <algorithm>
@@ -10,9 +11,6 @@
 
 namespace pliant {
 namespace {
-
-/// Segments are sorted into so many kinds, so that not all of them are looked at as neighbours of all others.
-constexpr std::int64_t num_kinds = 32;
 
 using Place = std::array<double, 3>;
 using Corners = std::array<Place, 4>;
@@ -76,7 +74,8 @@ Rods::Rods(const NodeLayout& layout, std::span<const char> is_segment, std::vect
     : num_owned_nodes_(layout.num_owned_nodes),
       segments_(std::move(segments)),
       vertices_(std::move(vertices)),
-      vertex_after_(segments_.size(), -1) {
+      vertex_after_(segments_.size(), -1),
+      segment_of_cell_(static_cast<std::size_t>(layout.num_local_cells), -1) {
   std::map<Corners, std::size_t> number_of;
   for (std::size_t s = 0; s < segments_.size(); ++s) {
     const auto& X = segments_[s].corners;
@@ -112,16 +111,22 @@ Rods::Rods(const NodeLayout& layout, std::span<const char> is_segment, std::vect
     Corners corners;
     for (std::size_t a = 0; a < 4; ++a) corners[a] = layout.position(nodes[a]);
     const std::size_t number = number_of.at(sorted(corners));
+    segment_of_cell_[static_cast<std::size_t>(c)] = static_cast<std::ptrdiff_t>(number);
     for (const Vector3<double>& X : segments_[number].corners) {
       const auto at = std::ranges::find(corners, X) - corners.begin();
       patches_.nodes.push_back(nodes[static_cast<std::size_t>(at)]);
     }
     patches_.keys.push_back(static_cast<std::int64_t>(number));
-    patches_.tags.push_back(static_cast<int>(static_cast<std::int64_t>(number) % num_kinds));
+    patches_.tags.push_back(0);
     patches_.is_owned.push_back(patches_.nodes[patches_.nodes.size() - 4] < num_owned_nodes_ ? 1 : 0);
     const RodSegment& segment = segments_[number];
     if (segment.length > 0.0) add_middles(nodes, is_others, segment.axial / segment.length);
   }
+  fix_pairs(layout);
+}
+
+void Rods::fix_pairs(const NodeLayout& layout) {
+  fixed_ = pairs_of_neighbours(layout, patches_, vertex_after_);
 }
 
 void Rods::add_middles(std::span<const PetscInt> nodes, std::span<const char> is_others, double stiffness) {
@@ -141,16 +146,6 @@ Vector3<double> Rods::offset(const Middle& middle, std::span<const double> q) {
     d[i] = of(middle.node) - 0.5 * (of(middle.a) + of(middle.b));
   }
   return d;
-}
-
-bool Rods::may_couple(int tag, int other) const {
-  const int apart = std::abs(tag - other);
-  return apart == 1 || apart == num_kinds - 1;
-}
-
-bool Rods::couples(std::int64_t key, std::int64_t other) const {
-  const std::int64_t first = std::min(key, other);
-  return std::max(key, other) == first + 1 && vertex_after_[static_cast<std::size_t>(first)] >= 0;
 }
 
 std::shared_ptr<const PairFeatures> Rods::features_of(const NearPatches& near) const {
@@ -417,6 +412,17 @@ std::vector<Rods::SegmentNodes> Rods::segments_here() const {
     std::ranges::copy(patches_.nodes_of(p), segment.nodes.begin());
   }
   std::ranges::sort(result, {}, &SegmentNodes::number);
+  return result;
+}
+
+std::vector<std::array<double, 3>> Rods::moments(const NearPatches& near, std::span<const double> q) const {
+  std::vector<std::array<double, 3>> result(vertices_.size(), std::array<double, 3>{});
+  for (const auto& vertex : seen(&near).vertices) {
+    if (!vertex[0].is_counted) continue;
+    const std::size_t number = number_of(vertex);
+    const auto strains = strains_of(vertex, q), stiffness = stiffness_of(number);
+    for (std::size_t k = 0; k < 3; ++k) result[number][k] = stiffness[k] * (strains[k] - rest_[number][k]);
+  }
   return result;
 }
 

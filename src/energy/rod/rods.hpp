@@ -50,16 +50,15 @@ struct RodVertex {
 class Rods final : public EnergyTerm, public PairCoupling {
  public:
   /// `segments`, the same on every rank, are the cells of the layout for which `is_segment` is set. Middles of edges
-  /// that only they have (quadratic elements) are held between the ends by springs, without mass: they stay there. Not
-  /// collective.
+  /// that only they have (quadratic elements) are held between the ends by springs, without mass: they stay there.
+  /// Collective.
   Rods(const NodeLayout& layout, std::span<const char> is_segment, std::vector<RodSegment> segments,
        std::vector<RodVertex> vertices);
 
   const Patches& patches() const override { return patches_; }
-  /// Neighbours are near each other wherever they are.
-  double reach() const override { return 1e9; }
-  bool may_couple(int tag, int other) const override;
-  bool couples(std::int64_t key, std::int64_t other) const override;
+  double reach() const override { return 1.0; }
+  bool may_couple(int /*tag*/, int /*other*/) const override { return true; }
+  const FixedPairs* fixed_pairs() const override { return &fixed_; }
   std::shared_ptr<const PairFeatures> features_of(const NearPatches& near) const override;
   Coupling coupling() const override { return static_cast<const PairCoupling*>(this); }
 
@@ -87,6 +86,15 @@ class Rods final : public EnergyTerm, public PairCoupling {
   std::vector<SegmentNodes> segments_here() const;
   /// E A (|t| - 1) of one of them at displacements u of the local nodes [N].
   double tension(const SegmentNodes& of, std::span<const double> u) const;
+  /// The moments that the vertices counted by this rank carry at displacements q: bending in both planes, and the
+  /// torque about the axis, by their numbers, zero of others [N m]. `near`: as the term has it.
+  std::vector<std::array<double, 3>> moments(const NearPatches& near, std::span<const double> q) const;
+  /// The length of a segment at rest [m].
+  double length_of(std::size_t segment) const { return segments_[segment].length; }
+  /// The number of the vertex after a segment; -1: none.
+  std::ptrdiff_t vertex_after(std::size_t segment) const { return vertex_after_[segment]; }
+  /// The segment of each local cell; -1: none.
+  const std::vector<std::ptrdiff_t>& segment_of_cell() const { return segment_of_cell_; }
 
  private:
   friend class RodViscosity;
@@ -100,6 +108,8 @@ class Rods final : public EnergyTerm, public PairCoupling {
     PetscInt node = 0, a = 0, b = 0;
     double stiffness = 0.0;  // [N/m]
   };
+  /// The neighbours of which one has a node of this rank.
+  void fix_pairs(const NodeLayout& layout);
   /// `nodes`: of a cell; `is_others`: one flag per local node, those of other cells.
   void add_middles(std::span<const PetscInt> nodes, std::span<const char> is_others, double stiffness);
   /// u of the middle without the mean of the ends'.
@@ -147,6 +157,8 @@ class Rods final : public EnergyTerm, public PairCoupling {
   std::vector<std::array<double, 3>> rest_, rest_of_derivatives_;
   std::vector<std::ptrdiff_t> vertex_after_;  // of each segment; -1: none
   Patches patches_;                           // segments
+  FixedPairs fixed_;                          // neighbours
+  std::vector<std::ptrdiff_t> segment_of_cell_;
   std::vector<Middle> middles_;
 };
 

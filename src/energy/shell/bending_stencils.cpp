@@ -26,7 +26,7 @@ class StencilMaker {
         return std::ranges::any_of(nodes, [&](PetscInt node) { return near_.is_owned(node); });
       };
       if (std::ranges::all_of(patch, is_known) && std::ranges::any_of(patch, has_owned_node)) {
-        add_stencil(triangle, near_.patches.is_owned[p] != 0);
+        add_stencil(triangle, p);
       }
     }
     return seen_;
@@ -83,6 +83,7 @@ class StencilMaker {
     } else {
       hinge.nodes[3] = node(static_cast<std::size_t>(edge.sides[1].triangle), edge.sides[1].k + 2);
     }
+    hinge.rest = hinge.vectors(near_.coordinates);
     seen_->hinges.push_back(hinge);
     return found->second;
   }
@@ -92,7 +93,7 @@ class StencilMaker {
     return edge.is_oriented || edge.sides[0].triangle == static_cast<std::int64_t>(triangle) ? 1.0 : -1.0;
   }
 
-  void add_stencil(std::size_t triangle, bool is_counted);
+  void add_stencil(std::size_t triangle, std::size_t patch);
   void list_nodes(BendingStencil& stencil) const;
 
   const ShellTopology& topology_;
@@ -104,7 +105,7 @@ class StencilMaker {
   std::map<std::size_t, std::size_t> hinges_;  // by edges
 };
 
-void StencilMaker::add_stencil(std::size_t triangle, bool is_counted) {
+void StencilMaker::add_stencil(std::size_t triangle, std::size_t patch) {
   std::array<PlateNeighbour, 3> neighbours;
   std::array<std::size_t, 3> numbers{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -117,7 +118,8 @@ void StencilMaker::add_stencil(std::size_t triangle, bool is_counted) {
   const PlateFit& own = fit(triangle);
   const PlateCurvature columns = plate_curvature(own, neighbours);
   BendingStencil stencil;
-  stencil.is_counted = is_counted;
+  stencil.is_counted = near_.patches.is_owned[patch] != 0;
+  stencil.patch = patch;
   std::array<std::array<double, 3>, BendingStencil::most_hinges> G{};
   const auto add = [&](std::size_t of, std::size_t k, const std::array<double, 3>& column) {
     if (topology_.edge_at(of, k) < 0) return;
@@ -133,6 +135,14 @@ void StencilMaker::add_stencil(std::size_t triangle, bool is_counted) {
   }
   if (stencil.num_hinges == 0) return;
   const BendingStiffness& stiffness = stiffness_[triangle];
+  stencil.stiffness = stiffness;
+  stencil.is_surrounded =
+      std::ranges::all_of(own.sides, [](const PlateFit::Side& side) { return side.kind == PlateSide::folded; });
+  stencil.area = own.area;
+  const auto T = plate_extension(own, stiffness.poissons_ratio);
+  for (std::size_t h = 0; h < stencil.num_hinges; ++h) {
+    for (std::size_t i = 0; i < 9; ++i) stencil.curvature[h][i / 3] += T[i] * G[h][i % 3];
+  }
   const auto C = plate_stiffness(own, stiffness.rigidity, stiffness.poissons_ratio);
   for (std::size_t h = 0; h < stencil.num_hinges; ++h) {
     for (std::size_t g = 0; g <= h; ++g) {
@@ -164,7 +174,12 @@ void StencilMaker::list_nodes(BendingStencil& stencil) const {
 
 }  // namespace
 
-HingeVectors BendingHinge::vectors(std::span<const double> X, std::span<const double> q) const {
+const BendingStencils& BendingStencils::seen(const NearPatches* near) {
+  static const BendingStencils none;
+  return near != nullptr && near->features ? static_cast<const BendingStencils&>(*near->features) : none;
+}
+
+HingeVectors BendingHinge::vectors(std::span<const double> x) const {
   HingeVectors result;
   const auto start = 3 * static_cast<std::size_t>(nodes[0]);
   for (std::size_t v = 0; v < 3; ++v) {
@@ -173,10 +188,14 @@ HingeVectors BendingHinge::vectors(std::span<const double> X, std::span<const do
       continue;
     }
     const auto end = 3 * static_cast<std::size_t>(nodes[v + 1]);
-    for (std::size_t i = 0; i < 3; ++i) {
-      result[v][i] = (X[end + i] - X[start + i]) + (q[end + i] - q[start + i]);
-    }
+    for (std::size_t i = 0; i < 3; ++i) result[v][i] = x[end + i] - x[start + i];
   }
+  return result;
+}
+
+HingeVectors BendingHinge::at(std::span<const double> q) const {
+  HingeVectors result = vectors(q);
+  for (std::size_t v = 0; v < 3; ++v) result[v] = rest[v] + result[v];
   return result;
 }
 

@@ -23,9 +23,12 @@ struct BendingStiffness {
 struct BendingHinge {
   std::array<PetscInt, 4> nodes{-1, -1, -1, -1};  ///< local: a, b, c, o; o = -1: mirrored
   Vector3<double> mirror{};
+  HingeVectors rest{};  ///< e, u, v in the reference configuration [m]
 
-  /// e, u, v at the displacements q from X, of the local nodes.
-  HingeVectors vectors(std::span<const double> X, std::span<const double> q) const;
+  /// e, u, v of a field x of the local nodes: of their displacements, the changes of these vectors.
+  HingeVectors vectors(std::span<const double> x) const;
+  /// e, u, v at displacements q of the local nodes [m].
+  HingeVectors at(std::span<const double> q) const;
   HingeMap map() const { return hinge_map(nodes[3] < 0 ? &mirror : nullptr); }
 };
 
@@ -39,12 +42,22 @@ struct BendingStencil {
   std::array<PetscInt, most_nodes> nodes{};                      ///< of the hinges, each once
   std::array<std::array<std::int8_t, 4>, most_hinges> places{};  ///< of the hinges' nodes in `nodes`
   std::array<double, most_hinges * most_hinges> M{};             ///< [N m]
+  /// The curvature (xx, yy, 2 xy) by the angles, without a moment about free sides [1/m]; the first axis is along the
+  /// side from corner 0 to 1, the second across it in the triangle.
+  std::array<std::array<double, 3>, most_hinges> curvature{};
+  double area = 0.0;      ///< of the triangle at rest [m^2]
+  std::size_t patch = 0;  ///< the triangle among NearPatches::patches
+  BendingStiffness stiffness;
   bool is_counted = false;
+  bool is_surrounded = false;  ///< by neighbours at all sides
 };
 
 struct BendingStencils final : PairFeatures {
   std::vector<BendingHinge> hinges;
   std::vector<BendingStencil> stencils;
+
+  /// Those that a term has been given; empty ones where it has none.
+  static const BendingStencils& seen(const NearPatches* near);
 };
 
 /// All stencils that have a node of this rank; `stiffness`: of each triangle of the topology, whose numbers are the

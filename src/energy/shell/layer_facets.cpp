@@ -60,7 +60,7 @@ FacetPoint<Order> facet_point(const NodeLayout& layout, std::span<const PetscInt
 template <int Order>
 LayerFacets<Order>::LayerFacets(const NodeLayout& layout, const BlockPattern& pattern, const FacetList& facets,
                                 const LayerShape& shape, int degree)
-    : num_owned_nodes_(layout.num_owned_nodes) {
+    : num_owned_nodes_(layout.num_owned_nodes), thickness_(shape.thickness) {
   const auto rule = simplex_rule<2>(degree);
   num_points_ = static_cast<std::size_t>(rule.size());
   for (PetscInt first = 0; first < facets.size(); first += pack_size) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/compensated_sum.hpp"
+#include "base/vector3.hpp"
 #include "energy/shell/layer_shape.hpp"
 #include "energy/shell/plane_stress.hpp"
 #include "fem/block_matrix.hpp"
@@ -133,6 +134,39 @@ class LayerFacets {
     });
   }
 
+  /// N[facet] += the mean of h P_a (x) f_a / |f_1 x f_2|, the force per length of the deformed layer, xx yy zz xy yz xz
+  /// [N/m]; `stress` as above.
+  template <class Stress>
+  void add_forces_per_length(const Stress& stress, std::span<const double> u,
+                             std::span<std::array<double, 6>> N) const {
+    constexpr std::array<std::array<std::size_t, 2>, 6> entries{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}}};
+    for_each_batch([&](const LayerBatch<Order>& batch, const LayerPoint<Order>* points, std::size_t first) {
+      std::array<Pack, 6> force{};
+      Pack area = 0.0;
+      const auto of_point = stress(batch);
+      const Nodes at = gather(batch, u);
+      for (std::size_t k = 0; k < num_points_; ++k) {
+        LayerColumns f = changes(points[k], at);
+        for (int a = 0; a < 2; ++a) {
+          for (int i = 0; i < 3; ++i) f[a][i] += points[k].axes(a, i);
+        }
+        const Pack f11 = dot(f[0], f[0]), f22 = dot(f[1], f[1]), f12 = dot(f[0], f[1]);
+        area += points[k].weight * sqrt(f11 * f22 - f12 * f12);
+        const LayerColumns P = of_point(first + k, points[k]);
+        for (std::size_t e = 0; e < entries.size(); ++e) {
+          const auto [i, j] = entries[e];
+          force[e] += points[k].weight * (P[0][i] * f[0][j] + P[1][i] * f[1][j]);
+        }
+      }
+      const std::size_t first_facet = first / num_points_ * pack_size;
+      for (int lane = 0; lane < batch.num_lanes; ++lane) {
+        for (std::size_t e = 0; e < entries.size(); ++e) {
+          N[first_facet + static_cast<std::size_t>(lane)][e] += thickness_ * force[e][lane] / area[lane];
+        }
+      }
+    });
+  }
+
   /// K_ab += int w_ac T_cd w_bd dV on rows of owned nodes; `tangent(batch)` returns T(index, point) [Pa], which may be
   /// unsymmetric.
   template <class TangentOf>
@@ -187,6 +221,7 @@ class LayerFacets {
   std::vector<LayerPoint<Order>> points_;
   std::size_t num_points_ = 1;
   PetscInt num_owned_nodes_;
+  double thickness_;  // before the layer was stretched [m]
 };
 
 }  // namespace pliant

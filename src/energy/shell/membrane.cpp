@@ -29,7 +29,7 @@ void make_positive_semidefinite(LayerTangent& T) {
 }
 
 template <int Order>
-class Membrane final : public EnergyTerm {
+class Membrane final : public LayerTerm {
   using Facets = LayerFacets<Order>;
   using Batch = LayerBatch<Order>;
   using Point = LayerPoint<Order>;
@@ -61,13 +61,12 @@ class Membrane final : public EnergyTerm {
   }
 
   void add_gradient(const LocalStage& /*stage*/, std::span<const double> q, std::span<double> r) const override {
-    facets_->add_forces(
-        [&](const Batch& batch) {
-          return [&law = *law_, u = Facets::gather(batch, q)](std::size_t n, const Point& point) {
-            return law.state(n, point.axes, Facets::changes(point, u)).P;
-          };
-        },
-        r);
+    facets_->add_forces(stresses(q), r);
+  }
+
+  void add_forces_per_length(std::span<const double> q, std::span<const double> /*v*/,
+                             std::span<std::array<double, 6>> N) const override {
+    facets_->add_forces_per_length(stresses(q), q, N);
   }
 
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
@@ -91,6 +90,14 @@ class Membrane final : public EnergyTerm {
 
  private:
   using Stress = std::array<Pack, 3>;  // S_11, S_22, S_12
+
+  auto stresses(std::span<const double> q) const {
+    return [this, q](const Batch& batch) {
+      return [&law = *law_, u = Facets::gather(batch, q)](std::size_t n, const Point& point) {
+        return law.state(n, point.axes, Facets::changes(point, u)).P;
+      };
+    };
+  }
 
   /// The stress of the layer in its own axes: P_a = sum_b S_ab f_b.
   static Stress stress(const Point& point, const LayerColumns& h, const LayerColumns& P) {
@@ -138,13 +145,17 @@ class Membrane final : public EnergyTerm {
 };
 
 template <int Order>
-class MembraneViscosity final : public EnergyTerm {
+class MembraneViscosity final : public LayerTerm {
   using Facets = LayerFacets<Order>;
   using Batch = LayerBatch<Order>;
   using Point = LayerPoint<Order>;
 
  public:
-  MembraneViscosity(SharedFacets<Order> facets, const PlaneStress& law, double damping) : facets_(std::move(facets)) {
+  MembraneViscosity(SharedFacets<Order> facets, const PlaneStress& law, const LayerViscosity& viscosity)
+      : facets_(std::move(facets)) {
+    // S_v by the components 11, 22, 12 of Edot, of which the last stands for two.
+    const double of_trace = viscosity.trace(), twice = 2.0 * viscosity.shear, whole = of_trace + twice;
+    const std::array<double, 9> of_shear{whole, of_trace, 0.0, of_trace, whole, 0.0, 0.0, 0.0, 0.5 * twice};
     const LayerColumns at_rest{};
     for (std::size_t n = 0; n < facets_->points().size(); ++n) {
       const Point& point = facets_->points()[n];
@@ -163,9 +174,11 @@ class MembraneViscosity final : public EnergyTerm {
       Resistance& C = resistances_.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) {
         for (std::size_t l = 0; l < 3; ++l) {
-          C[3 * k + l] = 0.0;
+          C[3 * k + l] = of_shear[3 * k + l];
           for (std::size_t p = 0; p < 6; ++p) {
-            for (std::size_t q = 0; q < 6; ++q) C[3 * k + l] += damping * (modes[k][p] * (T[6 * p + q] * modes[l][q]));
+            for (std::size_t q = 0; q < 6; ++q) {
+              C[3 * k + l] += viscosity.damping * (modes[k][p] * (T[6 * p + q] * modes[l][q]));
+            }
           }
         }
       }
@@ -187,17 +200,21 @@ class MembraneViscosity final : public EnergyTerm {
     facets_->add_forces(
         [&](const Batch& batch) {
           return [this, at = nodes(batch, stage, q), dt = stage.dt](std::size_t n, const Point& point) {
-            const Motion m = motion(point, at, dt);
-            const Rates S = stress(n, m);
-            LayerColumns P;
-            for (int i = 0; i < 3; ++i) {
-              P[0][i] = S[0] * m.f[0][i] + S[2] * m.f[1][i];
-              P[1][i] = S[1] * m.f[1][i] + S[2] * m.f[0][i];
-            }
-            return P;
+            return forces(n, motion(point, at, dt));
           };
         },
         r);
+  }
+
+  void add_forces_per_length(std::span<const double> q, std::span<const double> v,
+                             std::span<std::array<double, 6>> N) const override {
+    if (v.empty()) return;
+    facets_->add_forces_per_length(
+        [&](const Batch& batch) {
+          const NodesNow at{Facets::gather(batch, q), Facets::gather(batch, v)};
+          return [this, at](std::size_t n, const Point& point) { return forces(n, motion(point, at, 1.0)); };
+        },
+        q, N);
   }
 
   // dP_a = S_ab df_b + f_b C_abcd dEdot_cd, dEdot_cd = sym(df_c.v_d + f_c.df_d/dt)
@@ -291,6 +308,16 @@ class MembraneViscosity final : public EnergyTerm {
     }
     return result;
   }
+  /// P_a = S_ab f_b.
+  LayerColumns forces(std::size_t n, const Motion& m) const {
+    const Rates S = stress(n, m);
+    LayerColumns P;
+    for (int i = 0; i < 3; ++i) {
+      P[0][i] = S[0] * m.f[0][i] + S[2] * m.f[1][i];
+      P[1][i] = S[1] * m.f[1][i] + S[2] * m.f[0][i];
+    }
+    return P;
+  }
   Rates stress(std::size_t n, const Motion& m) const {
     const Rates E = rates(m);
     const Resistance& C = resistances_[n];
@@ -320,8 +347,8 @@ MembraneTerms make_membrane_of(const NodeLayout& layout, const BlockPattern& pat
         return packed->points()[n].places[static_cast<std::size_t>(lane)];
       }));
   MembraneTerms terms{std::make_unique<Membrane<Order>>(packed, law), nullptr};
-  if (material.damping > 0.0) {
-    terms.viscosity = std::make_unique<MembraneViscosity<Order>>(packed, *law, material.damping);
+  if (material.viscosity.is_any()) {
+    terms.viscosity = std::make_unique<MembraneViscosity<Order>>(packed, *law, material.viscosity);
   }
   return terms;
 }

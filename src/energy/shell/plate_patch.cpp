@@ -159,15 +159,40 @@ PlateCurvature plate_curvature(const PlateFit& own, const std::array<PlateNeighb
   return result;
 }
 
-std::array<double, 9> plate_stiffness(const PlateFit& own, double rigidity, double poissons_ratio) {
-  Eigen::Matrix3d C = stiffness_of_plate(poissons_ratio);
+namespace {
+
+/// (n_x^2, n_y^2, 2 n_x n_y) of the free sides, as columns.
+Eigen::MatrixXd across_free_sides(const PlateFit& own) {
   std::vector<Eigen::Vector3d> free;
   for (const PlateFit::Side& side : own.sides) {
     if (side.kind == PlateSide::free) free.push_back(across(side.direction));
   }
-  if (!free.empty()) {
-    Eigen::MatrixXd L(3, free.size());
-    for (std::size_t f = 0; f < free.size(); ++f) L.col(static_cast<Eigen::Index>(f)) = free[f];
+  Eigen::MatrixXd L(3, free.size());
+  for (std::size_t f = 0; f < free.size(); ++f) L.col(static_cast<Eigen::Index>(f)) = free[f];
+  return L;
+}
+
+}  // namespace
+
+std::array<double, 9> plate_extension(const PlateFit& own, double poissons_ratio) {
+  const Eigen::MatrixXd L = across_free_sides(own);
+  Eigen::Matrix3d T = Eigen::Matrix3d::Identity();
+  // Three free sides leave no moment, and no angle to which anything could be added.
+  if (L.cols() > 0 && L.cols() < 3) {
+    const Eigen::MatrixXd LC = L.transpose() * stiffness_of_plate(poissons_ratio);
+    T -= L * (LC * L).inverse() * LC;
+  }
+  std::array<double, 9> result{};
+  for (std::size_t i = 0; i < 9; ++i) {
+    result[i] = T(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3));
+  }
+  return result;
+}
+
+std::array<double, 9> plate_stiffness(const PlateFit& own, double rigidity, double poissons_ratio) {
+  Eigen::Matrix3d C = stiffness_of_plate(poissons_ratio);
+  const Eigen::MatrixXd L = across_free_sides(own);
+  if (L.cols() > 0) {
     const Eigen::MatrixXd LC = L.transpose() * C;
     C -= LC.transpose() * (LC * L).inverse() * LC;
   }

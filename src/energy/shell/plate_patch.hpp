@@ -71,6 +71,9 @@ struct PlateNeighbour {
 };
 PlateCurvature plate_curvature(const PlateFit& own, const std::array<PlateNeighbour, 3>& neighbours);
 
+/// The matrix T, row by row, that adds to a curvature what lets the moments about free sides vanish.
+std::array<double, 9> plate_extension(const PlateFit& own, double poissons_ratio);
+
 /// The matrix C of the energy A/2 kappa.C kappa, row by row: D [1 nu 0; nu 1 0; 0 0 (1 - nu)/2], where moments about
 /// free sides vanish. `rigidity`: D = E h^3 / (12 (1 - nu^2)) [N m].
 std::array<double, 9> plate_stiffness(const PlateFit& own, double rigidity, double poissons_ratio);

@@ -1,6 +1,7 @@
 #include "energy/shell/shell_bending.hpp"
 
 #include "base/compensated_sum.hpp"
+#include "energy/shell/hinge_sums.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -30,6 +31,18 @@ void for_each_triangle(const FacetList& facets, const F& f) {
 TriangleNodes sorted(TriangleNodes nodes) {
   std::ranges::sort(nodes);
   return nodes;
+}
+
+/// 1 where the normal of a triangle points upwards, as z does; where it is horizontal as y does, or else as x: neither
+/// side of it is outside.
+double sign_of_upper_side(const NodeLayout& layout, const std::array<PetscInt, 3>& nodes) {
+  constexpr double level = 1e-9;
+  const Vector3<double> a = layout.position(nodes[0]), n = unit(cross(Vector3<double>(layout.position(nodes[1])) - a,
+                                                                      Vector3<double>(layout.position(nodes[2])) - a));
+  for (const std::size_t i : {2UL, 1UL, 0UL}) {
+    if (std::abs(n[i]) > level) return n[i] > 0.0 ? 1.0 : -1.0;
+  }
+  return 1.0;
 }
 
 /// Those of all ranks, in halves where they have a node in the middle.
@@ -106,7 +119,7 @@ ShellBending::ShellBending(const NodeLayout& layout, const FacetList& facets,
 // All ranks know the corners in the same order.
 void ShellBending::list_patches(const NodeLayout& layout, const FacetList& facets) {
   patches_.nodes_per_patch = 3;
-  for_each_triangle(facets, [&](const std::array<PetscInt, 3>& nodes, PetscInt /*facet*/) {
+  for_each_triangle(facets, [&](const std::array<PetscInt, 3>& nodes, PetscInt facet) {
     const auto is_owned = [&](PetscInt node) { return node < layout.num_owned_nodes; };
     if (std::ranges::none_of(nodes, is_owned)) return;
     TriangleNodes global{};
@@ -117,6 +130,15 @@ void ShellBending::list_patches(const NodeLayout& layout, const FacetList& facet
     }
     patches_.keys.push_back(place - topology_.triangles().begin());
     patches_.tags.push_back(0);
+    facets_.push_back(facet);
+    const std::array<PetscInt, 3> oriented{patches_.nodes[patches_.nodes.size() - 3],
+                                           patches_.nodes[patches_.nodes.size() - 2], patches_.nodes.back()};
+    if (facets.is_outer[static_cast<std::size_t>(facet)] != 0) {
+      const bool is_rotation = oriented[(std::ranges::find(oriented, nodes[0]) - oriented.begin() + 1) % 3] == nodes[1];
+      signs_.push_back(is_rotation ? 1.0 : -1.0);
+    } else {
+      signs_.push_back(sign_of_upper_side(layout, oriented));
+    }
     const auto first = std::ranges::min_element(global) - global.begin();
     patches_.is_owned.push_back(is_owned(nodes[static_cast<std::size_t>(first)]) ? 1 : 0);
   });
@@ -162,12 +184,6 @@ void ShellBending::fix_pairs() {
 namespace {
 
 using Stencils = BendingStencils;
-constexpr std::size_t most_hinges = BendingStencil::most_hinges, most_nodes = BendingStencil::most_nodes;
-
-const Stencils& seen(const NearPatches* near) {
-  static const Stencils none;
-  return near != nullptr && near->features ? static_cast<const Stencils&>(*near->features) : none;
-}
 
 /// theta - theta^0 from the changes of e, u and v since the start, in a form without cancellation: stiff plates live in
 /// the last digits of angles. With t = v.n, w = v x e, s = |e| t and c = n.w, the angle is atan2(s, c), and the change
@@ -186,20 +202,18 @@ double change_of_angle(const HingeVectors& before, const HingeVectors& change) {
 }
 
 /// theta - theta^0 of all hinges.
-std::vector<double> changes(const Stencils& seen, std::span<const double> X, std::span<const double> q) {
-  const std::vector<double> zero(X.size(), 0.0);
+std::vector<double> changes(const Stencils& seen, std::span<const double> q) {
   std::vector<double> result;
   result.reserve(seen.hinges.size());
-  for (const BendingHinge& hinge : seen.hinges) {
-    result.push_back(change_of_angle(hinge.vectors(X, zero), hinge.vectors(zero, q)));
-  }
+  for (const BendingHinge& hinge : seen.hinges) result.push_back(change_of_angle(hinge.rest, hinge.vectors(q)));
   return result;
 }
 
 /// Their moment about the hinge i of a stencil [N m].
 double moment(const BendingStencil& stencil, std::size_t i, std::span<const double> d) {
   double result = 0.0;
-  for (std::size_t j = 0; j < stencil.num_hinges; ++j) result += stencil.M[most_hinges * i + j] * d[stencil.hinges[j]];
+  for (std::size_t j = 0; j < stencil.num_hinges; ++j)
+    result += stencil.M[BendingStencil::most_hinges * i + j] * d[stencil.hinges[j]];
   return result;
 }
 
@@ -222,22 +236,6 @@ double half_product(const Stencils& seen, std::span<const double> d, std::span<c
   return total.total();
 }
 
-/// The slopes of the angles by the nodes a, b, c, o.
-struct Slopes {
-  std::vector<std::array<double, 12>> by_nodes;
-
-  Slopes(const Stencils& seen, std::span<const double> X, std::span<const double> q) {
-    for (const BendingHinge& hinge : seen.hinges) {
-      const auto angle = differentiated_angle<1>(hinge.vectors(X, q));
-      const HingeMap map = hinge.map();
-      auto& slopes = by_nodes.emplace_back();
-      for (std::size_t row = 0; row < 9; ++row) {
-        for (std::size_t k = 0; k < 12; ++k) slopes[k] += map[12 * row + k] * angle.slope[row];
-      }
-    }
-  }
-};
-
 }  // namespace
 
 std::shared_ptr<const PairFeatures> ShellBending::features_of(const NearPatches& near) const {
@@ -245,10 +243,9 @@ std::shared_ptr<const PairFeatures> ShellBending::features_of(const NearPatches&
 }
 
 double ShellBending::value(const LocalStage& stage, std::span<const double> q) const {
-  const Stencils& here = seen(stage.near);
+  const Stencils& here = Stencils::seen(stage.near);
   if (here.stencils.empty()) return 0.0;
-  auto now = changes(here, stage.near->coordinates, q),
-       both = changes(here, stage.near->coordinates, stage.reference());
+  auto now = changes(here, q), both = changes(here, stage.reference());
   for (std::size_t h = 0; h < now.size(); ++h) {
     const double then = both[h];
     both[h] = now[h] + then;
@@ -258,91 +255,109 @@ double ShellBending::value(const LocalStage& stage, std::span<const double> q) c
 }
 
 double ShellBending::energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const {
-  const Stencils& here = seen(at.near);
+  const Stencils& here = Stencils::seen(at.near);
   if (here.stencils.empty()) return 0.0;
-  const auto d = changes(here, at.near->coordinates, q);
+  const auto d = changes(here, q);
   return half_product(here, d, d);
 }
 
 void ShellBending::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
-  const Stencils& here = seen(stage.near);
+  const Stencils& here = Stencils::seen(stage.near);
   if (here.stencils.empty()) return;
-  const Slopes slopes(here, stage.near->coordinates, q);
-  const auto m = moments(here, changes(here, stage.near->coordinates, q));
-  for (std::size_t h = 0; h < here.hinges.size(); ++h) {
-    for (std::size_t a = 0; a < 4; ++a) {
-      const PetscInt node = here.hinges[h].nodes[a];
-      if (node < 0 || node >= num_owned_nodes_) continue;
-      for (std::size_t i = 0; i < 3; ++i) {
-        r[3 * static_cast<std::size_t>(node) + i] += m[h] * slopes.by_nodes[h][3 * a + i];
-      }
-    }
-  }
+  add_moments(here, moments(here, changes(here, q)), slopes_of_angles(here, q), num_owned_nodes_, r);
 }
 
 // K = sum M_ij dtheta_i (x) dtheta_j + m_i d2theta_i; the first part has no negative eigenvalues.
 void ShellBending::add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                                Projection projection) const {
-  const Stencils& here = seen(stage.near);
+  const Stencils& here = Stencils::seen(stage.near);
   if (here.stencils.empty()) return;
-  const Slopes slopes(here, stage.near->coordinates, q);
-  for (const BendingStencil& stencil : here.stencils) add_stencil(stencil, slopes.by_nodes, K);
+  const auto slopes = slopes_of_angles(here, q);
+  for (const BendingStencil& stencil : here.stencils) {
+    add_products(stencil, stencil.M, slopes, slopes, num_owned_nodes_, K);
+  }
   if (projection == Projection::positive_semidefinite) return;
-  const auto m = moments(here, changes(here, stage.near->coordinates, q));
-  for (std::size_t h = 0; h < here.hinges.size(); ++h) add_bend(here.hinges[h], m[h], *stage.near, q, K);
+  const auto m = moments(here, changes(here, q));
+  for (std::size_t h = 0; h < here.hinges.size(); ++h) add_bend(here.hinges[h], m[h], q, num_owned_nodes_, K);
 }
 
-void ShellBending::add_stencil(const BendingStencil& stencil, std::span<const std::array<double, 12>> slopes,
-                               const BlockWriter& K) const {
-  constexpr std::size_t width = 3 * most_nodes;
-  const std::size_t n = stencil.num_hinges;
-  std::array<double, most_hinges * width> W{}, MW{};  // the slopes of the hinges by all nodes
-  for (std::size_t h = 0; h < n; ++h) {
-    for (std::size_t k = 0; k < 12; ++k) {
-      const auto place = stencil.places[h][k / 3];
-      if (place >= 0) W[width * h + 3 * static_cast<std::size_t>(place) + k % 3] += slopes[stencil.hinges[h]][k];
-    }
-  }
-  for (std::size_t h = 0; h < n; ++h) {
-    for (std::size_t g = 0; g < n; ++g) {
-      for (std::size_t k = 0; k < width; ++k) MW[width * h + k] += stencil.M[most_hinges * h + g] * W[width * g + k];
-    }
-  }
-  for (std::size_t a = 0; a < stencil.num_nodes; ++a) {
-    if (stencil.nodes[a] >= num_owned_nodes_) continue;
-    for (std::size_t b = 0; b < stencil.num_nodes; ++b) {
-      std::array<double, 9> block{};
-      for (std::size_t h = 0; h < n; ++h) {
-        for (std::size_t i = 0; i < 9; ++i) block[i] += W[width * h + 3 * a + i / 3] * MW[width * h + 3 * b + i % 3];
-      }
-      K.add(stencil.nodes[a], stencil.nodes[b], block);
-    }
-  }
+namespace {
+
+using Matrix2 = std::array<double, 4>;  // by rows
+
+Matrix2 product(const Matrix2& a, const Matrix2& b) {
+  return {a[0] * b[0] + a[1] * b[2], a[0] * b[1] + a[1] * b[3], a[2] * b[0] + a[3] * b[2], a[2] * b[1] + a[3] * b[3]};
 }
 
-void ShellBending::add_bend(const BendingHinge& hinge, double moment, const NearPatches& near,
-                            std::span<const double> q, const BlockWriter& K) const {
-  if (moment == 0.0) return;
-  if (std::ranges::none_of(hinge.nodes, [&](PetscInt n) { return n >= 0 && n < num_owned_nodes_; })) return;
-  const auto angle = differentiated_angle<2>(hinge.vectors(near.coordinates, q));
-  const HingeMap map = hinge.map();
-  std::array<double, 108> BJ{};  // 9 x 12
-  for (std::size_t p = 0; p < 9; ++p) {
-    for (std::size_t s = 0; s < 9; ++s) {
-      const double entry = moment * angle.bend_of(p, s);
-      for (std::size_t k = 0; k < 12; ++k) BJ[12 * p + k] += entry * map[12 * s + k];
-    }
+/// How a triangle is deformed in its plane: from axes along and across its first side at rest to such axes now.
+struct PlaneDeformation {
+  Vector3<double> e1, e2;  ///< the axes now
+  Matrix2 F{}, R{};        ///< deformation gradient, and its rotation
+
+  PlaneDeformation(const std::array<Vector3<double>, 3>& X, const std::array<Vector3<double>, 3>& x) {
+    const auto axes = [](const std::array<Vector3<double>, 3>& at) {
+      const Vector3<double> first = unit(at[1] - at[0]), normal = unit(cross(first, at[2] - at[0]));
+      return std::array{first, cross(normal, first)};
+    };
+    const auto [E1, E2] = axes(X);
+    const auto now = axes(x);
+    e1 = now[0];
+    e2 = now[1];
+    const double stretch = norm(x[1] - x[0]) / norm(X[1] - X[0]), height = dot(X[2] - X[0], E2);
+    F = {stretch, (dot(x[2] - x[0], e1) - stretch * dot(X[2] - X[0], E1)) / height, 0.0, dot(x[2] - x[0], e2) / height};
+    const double length = std::hypot(F[0] + F[3], F[2] - F[1]), c = (F[0] + F[3]) / length, s = (F[2] - F[1]) / length;
+    R = {c, -s, s, c};
   }
-  for (std::size_t a = 0; a < 4; ++a) {
-    if (hinge.nodes[a] < 0 || hinge.nodes[a] >= num_owned_nodes_) continue;
-    for (std::size_t b = 0; b < 4; ++b) {
-      if (hinge.nodes[b] < 0) continue;
-      std::array<double, 9> block{};
-      for (std::size_t p = 0; p < 9; ++p) {
-        for (std::size_t i = 0; i < 9; ++i) block[i] += map[12 * p + 3 * a + i / 3] * BJ[12 * p + 3 * b + i % 3];
+  double area_ratio() const { return F[0] * F[3]; }
+  Matrix2 inverse() const { return {1.0 / F[0], -F[1] / area_ratio(), 0.0, 1.0 / F[3]}; }
+  Matrix2 transposed() const { return {F[0], F[2], F[1], F[3]}; }
+
+  /// xx yy zz xy yz xz of factor times the symmetric part of R S A, S symmetric (11, 22, 12) at rest.
+  std::array<double, 6> in_space(double factor, const std::array<double, 3>& S, const Matrix2& A) const {
+    const Matrix2 T = product(R, product({S[0], S[2], S[2], S[1]}, A));
+    const auto entry = [&](std::size_t i, std::size_t j) {
+      return factor *
+             (T[0] * e1[i] * e1[j] + T[3] * e2[i] * e2[j] + 0.5 * (T[1] + T[2]) * (e1[i] * e2[j] + e2[i] * e1[j]));
+    };
+    return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(0, 2)};
+  }
+};
+
+}  // namespace
+
+// Normals turn by dn = k dx = k F dX, so that the angles per length at rest are k F, and moments m that work on these
+// are J^-1 m F^T per length now.
+void ShellBending::visit(const NearPatches& near, std::span<const double> q,
+                         const std::function<void(const BentTriangle&)>& visitor) const {
+  const Stencils& here = Stencils::seen(&near);
+  if (here.stencils.empty()) return;
+  const auto d = changes(here, q);
+  for (const BendingStencil& stencil : here.stencils) {
+    if (stencil.patch >= facets_.size()) continue;  // a triangle of another rank
+    std::array<double, 3> change{}, whole{};
+    for (std::size_t h = 0; h < stencil.num_hinges; ++h) {
+      const auto& [e, u, v] = here.hinges[stencil.hinges[h]].rest;
+      const double now = hinge_angle(e, u, v) + d[stencil.hinges[h]];
+      for (std::size_t i = 0; i < 3; ++i) {
+        change[i] += stencil.curvature[h][i] * d[stencil.hinges[h]];
+        whole[i] += stencil.curvature[h][i] * now;
       }
-      K.add(hinge.nodes[a], hinge.nodes[b], block);
     }
+    const auto nodes = near.patches.nodes_of(stencil.patch);
+    std::array<Vector3<double>, 3> X, x;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto i = 3 * static_cast<std::size_t>(nodes[k]);
+      X[k] = {near.coordinates[i], near.coordinates[i + 1], near.coordinates[i + 2]};
+      x[k] = near.position(nodes[k], q);
+    }
+    const PlaneDeformation plane(X, x);
+    const double sign = -signs_[stencil.patch];  // angles are positive where triangles fold towards the normal
+    const auto& [D, nu] = stencil.stiffness;
+    const std::array<double, 3> moment{change[0] + nu * change[1], change[1] + nu * change[0],
+                                       0.5 * (1.0 - nu) * change[2]};
+    visitor({facets_[stencil.patch], stencil.area, stencil.is_surrounded,
+             plane.in_space(sign, {whole[0], whole[1], 0.5 * whole[2]}, plane.inverse()),
+             plane.in_space(sign * D / plane.area_ratio(), moment, plane.transposed())});
   }
 }
 

@@ -26,6 +26,15 @@ struct ClampedEdges {
   std::optional<Vector3<double>> normal;
 };
 
+/// The bending of a triangle of a facet, in the axes of space: xx yy zz xy yz xz.
+struct BentTriangle {
+  PetscInt facet = 0;                 ///< number in the list of the layer
+  double area = 0.0;                  ///< of the triangle at rest [m^2]
+  bool is_surrounded = false;         ///< by neighbours at all sides: elsewhere, curvatures at rest are guesses
+  std::array<double, 6> curvature{};  ///< of the surface, positive where its outer side is convex [1/m]
+  std::array<double, 6> moment{};     ///< per length, positive where the outer side is stretched [N]
+};
+
 /// U = sum over triangles of A/2 kappa.C kappa,   kappa = sum_i G_i (theta_i - theta_i^0)
 ///
 /// in the angles theta at the edges of each triangle and of its neighbours (energy/shell/plate_patch.hpp) and those at
@@ -55,21 +64,26 @@ class ShellBending final : public EnergyTerm, public PairCoupling {
                    Projection projection) const override;
   double energy_at(const Instant& at, std::span<const double> q, std::span<const double> z) const override;
 
+  /// The triangles of this rank's facets with an owned node, at displacements q; `near`: as the term has it. The outer
+  /// side of a facet is the one that its normal points to; of one between two bodies, the upper one (z; y or x where it
+  /// is vertical).
+  void visit(const NearPatches& near, std::span<const double> q,
+             const std::function<void(const BentTriangle&)>& visitor) const;
+  PetscInt num_owned_nodes() const { return num_owned_nodes_; }
+
   /// How many edges of each of `clamped` do not bound the layer, on all ranks; none where all do.
   const std::map<std::int32_t, std::int64_t>& num_unclamped() const { return topology_.num_unclamped(); }
 
  private:
   void list_patches(const NodeLayout& layout, const FacetList& facets);
   void fix_pairs();
-  void add_stencil(const BendingStencil& stencil, std::span<const std::array<double, 12>> slopes,
-                   const BlockWriter& K) const;
-  void add_bend(const BendingHinge& hinge, double moment, const NearPatches& near, std::span<const double> q,
-                const BlockWriter& K) const;
 
   PetscInt num_owned_nodes_, first_owned_node_;
   ShellTopology topology_;
   std::vector<BendingStiffness> stiffness_;  // of each triangle
   Patches patches_;
+  std::vector<PetscInt> facets_;  // of each patch
+  std::vector<double> signs_;     // of each: 1 where the normal of the topology's triangle points to the outer side
   FixedPairs fixed_;
 };
 

@@ -1,5 +1,6 @@
 #include "input/checks/output.hpp"
 
+#include "base/text.hpp"
 #include "input/output_fields.hpp"
 
 #include <algorithm>
@@ -55,6 +56,62 @@ void check_columns(const Config& config, const InputNode& root, Diagnostics& dia
   check_unique(names, places, "column name", diagnostics);
 }
 
+/// A field that the input asks for, and where.
+struct AskedField {
+  OutputFieldInfo field;
+  const Location& where;
+  const FieldColumnConfig* column = nullptr;  ///< none: of the result
+};
+
+/// Is there nothing else either, which is an error of its own?
+bool is_empty(const Config& config) {
+  return config.shells.empty() && config.rods.empty() && config.rigid_bodies.empty();
+}
+
+void check_owner(const Config& config, const AskedField& asked, bool has_contact, Diagnostics& diagnostics) {
+  const std::string name(asked.field.name);
+  const auto need = [&](FieldOwner owner, bool is_there, const char* what) {
+    if (asked.field.owner == owner && !is_there) diagnostics.add(asked.where, "the field '" + name + "' " + what);
+  };
+  need(FieldOwner::contact, has_contact, "needs 'contact', which this input does not have");
+  need(FieldOwner::shells, !config.shells.empty(), "needs 'shells', which this input does not have");
+  need(FieldOwner::rods, !config.rods.empty(), "needs 'rods', which this input does not have");
+  // Stresses are written by default, and zero then.
+  const bool needs_bodies =
+      asked.field.owner == FieldOwner::bodies && (asked.column != nullptr || name == "discretization_error");
+  if (needs_bodies && config.bodies.empty() && !is_empty(config)) {
+    diagnostics.add(asked.where,
+                    "the field '" + name +
+                        "' is of bodies of tetrahedra, and this input has none: fields of shells "
+                        "are membrane_force, bending_moment, principal_curvature; fields of rods rod_force, "
+                        "rod_bending_moment, rod_torque");
+  }
+}
+
+/// Names in `in` that the field cannot be taken from.
+void check_place(const Config& config, const AskedField& asked, Diagnostics& diagnostics) {
+  if (asked.column == nullptr || !asked.column->in) return;
+  const Located<std::string>& in = *asked.column->in;
+  const std::string field(asked.field.name);
+  std::vector<std::string> shells, rods;
+  for (const ShellConfig& shell : config.shells) shells.push_back(shell.name);
+  for (const RodConfig& rod : config.rods) rods.push_back(rod.name);
+  const auto need_one_of = [&](const char* kind, const std::vector<std::string>& names) {
+    if (names.empty() || std::ranges::find(names, in.value) != names.end()) return;
+    diagnostics.add(in.where, "'" + field + "' is a field of " + kind + "s: 'in' is the name of one, not '" + in.value +
+                                  "'" + did_you_mean(in.value, names) + "; the " + kind + "s are: " + joined(names));
+  };
+  if (asked.field.owner == FieldOwner::shells) need_one_of("shell", shells);
+  if (asked.field.owner == FieldOwner::rods) need_one_of("rod", rods);
+  const auto shell = std::ranges::find(config.shells, in.value, &ShellConfig::name);
+  if (asked.field.owner == FieldOwner::bodies && shell != config.shells.end() && shell->is_free &&
+      !config.bodies.empty()) {
+    diagnostics.add(in.where, "'" + field + "' is a field of bodies of tetrahedra, and '" + in.value +
+                                  "' is a free shell: its fields are membrane_force, bending_moment, "
+                                  "principal_curvature");
+  }
+}
+
 }  // namespace
 
 void check_unique(const std::vector<std::string>& values, const std::vector<Location>& places, const std::string& what,
@@ -70,15 +127,18 @@ void check_output(const Config& config, const InputNode& root, Diagnostics& diag
   const std::vector<Location> places = places_of(given(root, {"output", "fields"}));
   if (places.size() == config.output.fields.size()) check_unique(config.output.fields, places, "field", diagnostics);
   check_columns(config, root, diagnostics);
-  if (config.contact || given(root, {"contact"}) != nullptr) return;
-  const auto need_contact = [&](const std::string& field, const Location& where) {
-    if (!field.starts_with("contact_")) return;
-    diagnostics.add(where, "the field '" + field + "' needs 'contact', which this input does not have");
+  const bool has_contact = config.contact || given(root, {"contact"}) != nullptr;
+  const auto check = [&](const std::string& name, const Location& where, const FieldColumnConfig* column) {
+    const auto of = field_component(name);
+    if (!of) return;  // already an error
+    const AskedField asked{of->field, where, column};
+    check_owner(config, asked, has_contact, diagnostics);
+    check_place(config, asked, diagnostics);
   };
   for (std::size_t k = 0; k < places.size() && k < config.output.fields.size(); ++k) {
-    need_contact(config.output.fields[k], places[k]);
+    check(config.output.fields[k], places[k], nullptr);
   }
-  for (const FieldColumnConfig& column : config.output.history) need_contact(column.of.value, column.of.where);
+  for (const FieldColumnConfig& column : config.output.history) check(column.of.value, column.of.where, &column);
 }
 
 }  // namespace pliant

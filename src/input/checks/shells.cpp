@@ -52,6 +52,17 @@ void check_prestretch(const ShellConfig& shell, Diagnostics& diagnostics) {
   }
 }
 
+void check_viscosity(const ShellConfig& shell, Diagnostics& diagnostics) {
+  for (const ViscosityConfig& mechanism : shell.viscosity) {
+    const auto* newtonian = std::get_if<KelvinVoigt>(&mechanism.law);
+    if (newtonian == nullptr || newtonian->shear > 0.0) continue;
+    diagnostics.add(mechanism.where,
+                    fmt::format("the viscosity of shell '{}' has no effect without 'shear': no stress acts across the "
+                                "layer, which changes its thickness instead of its volume",
+                                shell.name));
+  }
+}
+
 void check_clamped(const ShellConfig& shell, Diagnostics& diagnostics) {
   if (shell.clamped.empty() || shell.bends) return;
   diagnostics.add(shell.clamped.front().where,
@@ -101,6 +112,7 @@ void check_shells(const Config& config, Diagnostics& diagnostics) {
     places.push_back(shell.where);
     check_elasticity(shell, diagnostics);
     check_prestretch(shell, diagnostics);
+    check_viscosity(shell, diagnostics);
     check_clamped(shell, diagnostics);
     if (shell.is_free) check_free(config, shell, diagnostics);
     if (config.mesh.file.value.empty() && !shell.is_free) {

@@ -37,8 +37,9 @@ Section<FieldColumnConfig> field_column_keys() {
           field("of", &C::of, field_or_component(), "the field; of a vector without a component its magnitude")
               .required(),
           field("in", &C::in, name_of_part(),
-                "where: a physical volume or surface; on a surface, cells count that have a facet there")
-              .otherwise_in_words("all bodies"),
+                "where: a physical volume or surface, or the name of a shell or rod for fields of those; on a surface, "
+                "cells count that have a facet there")
+              .otherwise_in_words("all bodies, shells or rods"),
           field(
               "take", &C::take,
               choice_of<Take>({{"max", Take::max},
@@ -65,7 +66,9 @@ Section<OutputConfig> output_keys() {
       field("fields", &OutputConfig::fields, list_of(choice(names_of_fields()), 1), "fields of the result")
           .otherwise("[displacement, velocity, cauchy_stress]"),
       field("nodal", &OutputConfig::is_nodal, truth(),
-            "whether fields of cells are smoothed and written at the nodes (recovery), except `discretization_error`")
+            "whether fields of cells are smoothed and written at the nodes (recovery), except `discretization_error` "
+            "and those "
+            "of rods")
           .otherwise("false"),
       field("history", &OutputConfig::history, list_of(map_of(field_column_keys()), 0),
             "columns of history.csv that are taken from fields"),

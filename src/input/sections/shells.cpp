@@ -19,6 +19,58 @@ Section<ClampedEdgeConfig> clamped_edge_keys() {
           &C::where};
 }
 
+/// A law of viscosity that layers know, with its own keys alone.
+struct LayerLawConfig {
+  std::string model;
+  std::optional<double> shear, bulk, time;  // [Pa s], [Pa s], [s]
+  Location where;
+
+  LayerLawConfig() = default;
+  explicit LayerLawConfig(const ViscosityConfig& of) : model(name_of(of.law)), where(of.where) {
+    if (const auto* newtonian = std::get_if<KelvinVoigt>(&of.law)) {
+      shear = newtonian->shear;
+      bulk = newtonian->bulk;
+    } else if (const auto* proportional = std::get_if<StiffnessProportional>(&of.law)) {
+      time = proportional->time;
+    }
+  }
+  ViscosityConfig config() const {
+    if (model == KelvinVoigt::name) return {KelvinVoigt{shear.value_or(0.0), bulk.value_or(0.0)}, {}, where};
+    return {StiffnessProportional{time.value_or(0.0)}, {}, where};
+  }
+};
+
+Section<LayerLawConfig> layer_law_keys() {
+  using L = LayerLawConfig;
+  using Need = KeyGroup::Need;
+  const std::string newtonian(KelvinVoigt::name), proportional(StiffnessProportional::name);
+  return {{
+              field("model", &L::model, choice({newtonian, proportional}), "law of viscosity").required(),
+              field("shear", &L::shear, quantity("Pa*s", Range::at_least(0)), "viscosity in shear"),
+              field("bulk", &L::bulk, quantity("Pa*s", Range::at_least(0)), "viscosity against volume change")
+                  .otherwise_in_words("0"),
+              field("time", &L::time, quantity("s", Range::at_least(0)),
+                    "resistance to rates of strain, as this time multiplied by the stiffness at rest: `damping`"),
+          },
+          {{{"shear"}, Need::all, {{"model", newtonian}}},
+           {{"bulk"}, Need::any, {{"model", newtonian}}},
+           {{"time"}, Need::all, {{"model", proportional}}}},
+          &L::where};
+}
+
+Format<ViscosityConfig> layer_viscosity() {
+  const Format<LayerLawConfig> own = map_of(layer_law_keys());
+  Format<ViscosityConfig> format{own.type, own.schema, {}, {}, own.children, own.groups};
+  format.read = [own](const InputNode& node, const std::string& key, Diagnostics& diagnostics, ViscosityConfig& into) {
+    LayerLawConfig law;
+    const bool is_read = own.read(node, key, diagnostics, law);
+    into = law.config();
+    return is_read;
+  };
+  format.write = [own](const ViscosityConfig& mechanism) { return own.write(LayerLawConfig(mechanism)); };
+  return format;
+}
+
 }  // namespace
 
 Section<ShellConfig> shell_keys() {
@@ -49,9 +101,13 @@ Section<ShellConfig> shell_keys() {
               .otherwise_in_words("none; two prestretches need one")
               .only_with({{"prestretch"}}),
           field("damping", &S::damping, quantity("s", Range::at_least(0)),
-                "viscosity: resistance to rates of strain in the layer, as this time multiplied by the stiffness at "
-                "rest")
+                "viscosity: resistance to rates of strain in the layer, and of bending if it bends, as this time "
+                "multiplied by the stiffness at rest")
               .otherwise("0"),
+          field("viscosity", &S::viscosity, one_or_list_of(layer_viscosity()),
+                "law of viscosity of the layer, `kelvin-voigt` or `stiffness-proportional`; several act in parallel")
+              .otherwise_in_words("none")
+              .left_out_if([](const S& shell) { return shell.viscosity.empty(); }),
           field("bending", &S::bends, truth(), "whether the layer resists bending too, as a shell").otherwise("false"),
           field("clamped", &S::clamped, list_of(map_of(clamped_edge_keys()), 0),
                 "curves at the edge of a layer that bends, across which it keeps its direction: clamped edges, and "

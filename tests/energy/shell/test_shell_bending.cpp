@@ -1,5 +1,5 @@
 // Bending of shells: derivatives, rigid motions, ranks; with clamped edges.
-#include "energy/shell/shell_bending.hpp"
+#include "energy/shell/shell_bending_viscosity.hpp"
 #include "energy/solid.hpp"
 #include "fem/body.hpp"
 
@@ -128,6 +128,51 @@ TEST_P(Bending, DerivativesOfHeldEdgesAre) {
     ASSERT_TRUE(bent.term.num_unclamped().empty());
     check_derivatives(bent);
   }
+}
+
+/// The viscosity of the same layer alone.
+struct Viscous {
+  ShellBendingViscosity term;
+  IncrementalPotential potential;
+
+  explicit Viscous(Bent& bent)
+      : term(bent.term, {0.02, -0.01, 0.06}),
+        potential(bent.solid.layout(), bent.solid.pattern(), {&term}, bent.solid.nothing_prescribed()) {
+    potential.begin_stage(bent.stage.point);
+  }
+};
+
+TEST_P(Bending, ViscosityHasTheTangentOfItsForces) {
+  for (const Support support : {Support::none, Support::clamped, Support::symmetric}) {
+    Bent bent(comm, file_, GetParam(), support);
+    Viscous viscous(bent);
+    const Handle<Vec> q = bent.solid.vector(test::strained), d = bent.solid.vector(test::rough_field(1.0, 11));
+    constexpr double h = 1e-6;
+    const Handle<Vec> ahead = test::moved(q.get(), h, d.get()), behind = test::moved(q.get(), -h, d.get()),
+                      next = viscous.potential.make_vector(), last = viscous.potential.make_vector(),
+                      y = viscous.potential.make_vector();
+    viscous.potential.gradient(ahead.get(), next.get());
+    viscous.potential.gradient(behind.get(), last.get());
+    check(VecAXPY(next.get(), -1.0, last.get()));
+    check(VecScale(next.get(), 0.5 / h));
+    const Handle<Mat> K = viscous.potential.make_hessian();
+    viscous.potential.hessian(q.get(), K.get(), Projection::none);
+    check(MatMult(K.get(), d.get(), y.get()));
+    ASSERT_GT(test::norm(y.get()), 0.1);
+    EXPECT_LT(test::distance(next.get(), y.get()), 1e-6 * test::norm(y.get()));
+  }
+}
+
+// The power of its forces is what it dissipates, and it is zero where the body turns.
+TEST_P(Bending, ViscosityDissipatesThePowerOfItsForces) {
+  Viscous viscous(bent_);
+  const Handle<Vec> q = bent_.solid.vector(test::strained), r = viscous.potential.make_vector(),
+                    v = viscous.potential.make_vector();
+  check(VecWAXPY(v.get(), -1.0, bent_.stage.point.q0, q.get()));
+  check(VecScale(v.get(), 1.0 / bent_.stage.point.dt));
+  const TermPower power = viscous.potential.accounts().powers(q.get(), v.get(), r.get()).front();
+  ASSERT_GT(power.dissipated, 1e-3);
+  EXPECT_NEAR(power.exerted, -power.dissipated, 1e-10 * power.dissipated);
 }
 
 TEST_P(Bending, RigidMotionsCostNothing) {
