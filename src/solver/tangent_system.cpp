@@ -1,11 +1,8 @@
 #include "solver/tangent_system.hpp"
 
+#include <algorithm>
+
 namespace pliant {
-namespace {
-
-constexpr double relative_residual = 1e-10;
-
-}  // namespace
 
 bool TangentSystem::begin(Vec q, Vec from) {
   q_ = q;
@@ -14,7 +11,6 @@ bool TangentSystem::begin(Vec q, Vec from) {
   // The solution may be any equilibrium: K must stay as it is.
   if (is_symmetric(equation.symmetry())) objective_.set_aim(Aim::any_equilibrium);
   system_.assemble(q);
-  check(KSPSetTolerances(ksp_, relative_residual, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   return system_.prepare(q);
 }
 
@@ -24,7 +20,8 @@ bool TangentSystem::has_solved() const {
   return reason > 0;
 }
 
-bool TangentSystem::solve(Vec r, Vec y) {
+bool TangentSystem::solve(Vec r, Vec y, double part) {
+  check(KSPSetTolerances(ksp_, part, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   system_.solve(r, y);
   system_.improve_poor_factor(q_, r, y);
   system_.note_solve();
@@ -38,6 +35,18 @@ bool TangentSystem::solve(Vec r, Vec y) {
   if (!system_.refine(q_)) return false;
   system_.solve(r, y);
   return has_solved();
+}
+
+bool TangentSystem::solve(std::span<const Vec> r, std::span<const Vec> y, std::span<const double> parts) {
+  for (std::size_t first = 0; first < r.size(); first += num_several) {
+    const std::size_t count = std::min(num_several, r.size() - first);
+    const auto some_r = r.subspan(first, count), some_y = y.subspan(first, count);
+    if (count > 1 && system_.solve_several(some_r, some_y, parts.subspan(first, count))) continue;
+    for (std::size_t n = 0; n < count; ++n) {
+      if (!solve(some_r[n], some_y[n], parts[first + n])) return false;
+    }
+  }
+  return true;
 }
 
 void TangentSystem::end() {
