@@ -285,7 +285,8 @@ void LinearSystem::solve(Vec r, Vec y) {
   statistics_.linear_iterations += last_iterations();
 }
 
-bool LinearSystem::solve_several(std::span<const Vec> r, std::span<const Vec> y, std::span<const double> parts) {
+bool LinearSystem::solve_several(std::span<const Vec> r, std::span<const Vec> guesses, std::span<const Vec> y,
+                                 double part) {
   if (rank_one_ || factor_.has_failed() || !is_of_type(ksp_, KSPCG)) return false;
   const Stopwatch watch(statistics_.solve_seconds);
   const auto inverse = [&](std::span<const SeveralDoubles> b, std::span<SeveralDoubles> x) {
@@ -298,11 +299,11 @@ bool LinearSystem::solve_several(std::span<const Vec> r, std::span<const Vec> y,
   };
   PetscInt most = 0;
   check(KSPGetTolerances(ksp_, nullptr, nullptr, nullptr, &most));
-  const auto iterations = several_.solve(K_.get(), inverse, r, y, parts, static_cast<int>(most));
-  if (!iterations) return false;
-  statistics_.linear_iterations += *iterations * static_cast<PetscInt>(r.size());
-  const FactorPolicy::Solve done{*iterations, -std::log10(std::ranges::min(parts)),
-                                 pliant::cost_of_set_up(preconditioner_.get())};
+  const auto cost = several_.solve(K_.get(), inverse, r, guesses, y, part, static_cast<int>(most));
+  if (!cost) return false;
+  statistics_.linear_iterations += cost->iterations * static_cast<PetscInt>(r.size());
+  if (cost->iterations == 0) return true;
+  const FactorPolicy::Solve done{cost->iterations, cost->digits, pliant::cost_of_set_up(preconditioner_.get())};
   if (FactorPolicy::is_poor(done, whose_factor(), what_is_factored())) return false;
   factor_.note_solve(done, whose_factor());
   return true;

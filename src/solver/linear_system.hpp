@@ -70,10 +70,10 @@ class LinearSystem {
 
   /// y = K^-1 r.
   void solve(Vec r, Vec y);
-  /// Several systems at once, at most `num_several`, until each residual has fallen to its part of r. Returns false,
-  /// with y undefined, where one after another has to be solved: K is not definite, or the factor is not one for
-  /// several vectors or too rough. Records the cost.
-  bool solve_several(std::span<const Vec> r, std::span<const Vec> y, std::span<const double> parts);
+  /// Several systems at once, at most `num_several`, as SeveralSystems solves them. Returns false, with y undefined,
+  /// where one after another has to be solved: K is not definite, or the factor is not one for several vectors or too
+  /// rough. Records the cost.
+  bool solve_several(std::span<const Vec> r, std::span<const Vec> guesses, std::span<const Vec> y, double part);
   /// Whether the solution of the last system, with the right-hand side r, is a usable direction.
   bool has_direction(Vec r) const;
   /// Records the cost of the last solve, which ages a kept factor.

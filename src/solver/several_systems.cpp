@@ -11,9 +11,13 @@ namespace {
 
 namespace stdx = std::experimental;
 
+/// Stands for the square of a norm that is 0.
+constexpr double least = 1e-300;
+
 void load(std::span<const Vec> from, std::span<SeveralDoubles> to) {
   std::ranges::fill(to, SeveralDoubles(0.0));
   for (std::size_t lane = 0; lane < from.size(); ++lane) {
+    if (from[lane] == nullptr) continue;
     const ConstArrayView values(from[lane]);
     for (std::size_t i = 0; i < to.size(); ++i) to[i][lane] = values.span()[i];
   }
@@ -53,18 +57,22 @@ SeveralDoubles SeveralSystems::dot(std::span<const SeveralDoubles> a, std::span<
   return SeveralDoubles(sums.data(), stdx::element_aligned);
 }
 
-std::optional<int> SeveralSystems::solve(Mat K, const Inverse& inverse, std::span<const Vec> r, std::span<const Vec> y,
-                                         std::span<const double> parts, int most) {
+std::optional<SeveralSystems::Cost> SeveralSystems::solve(Mat K, const Inverse& inverse, std::span<const Vec> r,
+                                                          std::span<const Vec> guesses, std::span<const Vec> y,
+                                                          double part, int most) {
   const std::optional<MatrixBlocks> blocks = MatrixBlocks::of(K);
   if (!blocks) return std::nullopt;
   open(*blocks, K);
-  std::ranges::fill(x_, SeveralDoubles(0.0));
-  std::ranges::fill(p_, SeveralDoubles(0.0));
   load(r, r_);
-  SeveralDoubles target(0.0), before(1.0);
-  for (std::size_t lane = 0; lane < parts.size(); ++lane) target[lane] = parts[lane] * parts[lane];
-  SeveralDoubles size = dot(r_, r_);
-  target *= size;
+  std::ranges::fill(p_, SeveralDoubles(0.0));
+  load(guesses, std::span(p_).first(r_.size()));
+  halo_.fetch(std::span(p_), 3);
+  blocks->multiply(p_, Kp_);
+  for (std::size_t i = 0; i < r_.size(); ++i) Kp_[i] += r_[i];
+  std::ranges::fill(x_, SeveralDoubles(0.0));
+  const SeveralDoubles target = part * part * dot(Kp_, Kp_);
+  SeveralDoubles size = dot(r_, r_), before(1.0);
+  const SeveralDoubles digits = 0.5 * stdx::log10(stdx::max(size, target) / stdx::max(target, SeveralDoubles(least)));
   int iterations = 0;
   for (auto is_left = size > target; any_of(is_left); is_left = size > target, ++iterations) {
     if (iterations == most || !inverse(r_, z_)) return std::nullopt;
@@ -85,7 +93,7 @@ std::optional<int> SeveralSystems::solve(Mat K, const Inverse& inverse, std::spa
     if (any_of(!(size >= 0.0))) return std::nullopt;
   }
   store(x_, y);
-  return iterations;
+  return Cost{iterations, stdx::hmax(digits)};
 }
 
 }  // namespace pliant

@@ -19,11 +19,16 @@ class SeveralSystems {
   /// x = about K^-1 b for own entries; false if that is not possible.
   using Inverse = std::function<bool(std::span<const SeveralDoubles> b, std::span<SeveralDoubles> x)>;
 
-  /// Solves until each residual has fallen to its part of r, by at most `most` iterations; r and y are as many. Returns
-  /// how many iterations it took; nothing, with y undefined, if K is not made of blocks, or not positive definite along
-  /// a direction, or there are too few iterations.
-  std::optional<int> solve(Mat K, const Inverse& inverse, std::span<const Vec> r, std::span<const Vec> y,
-                           std::span<const double> parts, int most);
+  struct Cost {
+    int iterations = 0;
+    double digits = 0.0;  ///< of the residual that lost the most
+  };
+  /// Solves until each residual has fallen to this part of what it is at 0, by at most `most` iterations. `r`: the
+  /// residuals at the guesses, which are nullptr where they are 0; y is to be added to them. Returns what it took;
+  /// nothing, with y undefined, if K is not made of blocks, or not positive definite along a direction, or there are
+  /// too few iterations.
+  std::optional<Cost> solve(Mat K, const Inverse& inverse, std::span<const Vec> r, std::span<const Vec> guesses,
+                            std::span<const Vec> y, double part, int most);
 
  private:
   void open(const MatrixBlocks& blocks, Mat K);

@@ -1,5 +1,7 @@
 #include "solver/tangent_system.hpp"
 
+#include "solver/merit.hpp"
+
 #include <algorithm>
 
 namespace pliant {
@@ -37,13 +39,22 @@ bool TangentSystem::solve(Vec r, Vec y, double part) {
   return has_solved();
 }
 
-bool TangentSystem::solve(std::span<const Vec> r, std::span<const Vec> y, std::span<const double> parts) {
+bool TangentSystem::solve_from(Vec guess, Vec r, Vec y, double part) {
+  if (guess == nullptr) return solve(r, y, part);
+  multiply(guess, y);
+  check(VecAXPY(y, 1.0, r));
+  const double left = norm(r), target = part * norm(y);
+  check(VecZeroEntries(y));
+  return left <= target || solve(r, y, target / left);
+}
+
+bool TangentSystem::solve(std::span<const Vec> r, std::span<const Vec> guesses, std::span<const Vec> y, double part) {
   for (std::size_t first = 0; first < r.size(); first += num_several) {
     const std::size_t count = std::min(num_several, r.size() - first);
-    const auto some_r = r.subspan(first, count), some_y = y.subspan(first, count);
-    if (count > 1 && system_.solve_several(some_r, some_y, parts.subspan(first, count))) continue;
-    for (std::size_t n = 0; n < count; ++n) {
-      if (!solve(some_r[n], some_y[n], parts[first + n])) return false;
+    const auto some = [&](std::span<const Vec> all) { return all.subspan(first, count); };
+    if (count > 1 && system_.solve_several(some(r), some(guesses), some(y), part)) continue;
+    for (std::size_t n = first; n < first + count; ++n) {
+      if (!solve_from(guesses[n], r[n], y[n], part)) return false;
     }
   }
   return true;

@@ -23,8 +23,9 @@ class TangentSystem {
   /// Solves to ten digits, or until the residual has fallen to this part of r; returns false if the linear solver
   /// fails.
   bool solve(Vec r, Vec y, double part = 1e-10);
-  /// The same for several right-hand sides, each until the residual has fallen to its part.
-  bool solve(std::span<const Vec> r, std::span<const Vec> y, std::span<const double> parts);
+  /// The same for several right-hand sides, from the residuals r at guesses (nullptr: 0), until each has fallen to this
+  /// part of what it is at 0. y is to be added to the guesses.
+  bool solve(std::span<const Vec> r, std::span<const Vec> guesses, std::span<const Vec> y, double part);
   /// y = K x.
   void multiply(Vec x, Vec y) const { check(MatMult(system_.matrix(), x, y)); }
   /// To be called after the last solve: the next stage may begin.
@@ -32,6 +33,7 @@ class TangentSystem {
 
  private:
   bool has_solved() const;
+  bool solve_from(Vec guess, Vec r, Vec y, double part);
 
   Objective& objective_;
   LinearSystem& system_;

@@ -48,9 +48,9 @@ bool are_of_probes(std::span<const std::string> columns, const Config& config) {
 
 /// The run of another value, with the solutions of the run in the middle.
 struct TangentRun::Neighbour {
-  Neighbour(const Mesh& mesh, Config given, Books books)
+  Neighbour(const Mesh& mesh, Config given, const NodeLayout& layout, Books books)
       : config(std::move(given)),
-        model(mesh, config),
+        model(mesh, config, layout),
         simulation(config, model, Stages::solved_elsewhere, books),
         row(config, model, simulation.ledger()),
         unknowns(model.equation().make_vector()),
@@ -133,7 +133,7 @@ void TangentRun::add_pair(const Mesh& mesh, const VariedInput& input, std::span<
   const Books books = are_of_probes(wanted_, config_) ? Books::none : Books::kept;
   auto [below, above, spacing] = neighbours_of(value, size, [&](double other) {
     changed[n] = other;
-    return std::make_unique<Neighbour>(mesh, input.at(changed), books);
+    return std::make_unique<Neighbour>(mesh, input.at(changed), model_.layout(), books);
   });
   Pair pair{std::move(below), std::move(above), spacing, StageExtrapolation(r_.get()), {}, {}, {}};
   for (Handle<Vec>* x : {&pair.residual, &pair.solution, &pair.change}) *x = model_.equation().make_vector();
@@ -182,29 +182,22 @@ void TangentRun::end_stage(NewtonSolver& solver, const StagePoint& stage, Vec q)
 }
 
 bool TangentRun::solve(TangentSystem& system, double place, double floor) {
-  std::vector<Vec> residuals, changes;
-  std::vector<double> parts;
+  std::vector<Vec> residuals, guesses, changes;
   std::vector<Pair*> open;
   for (Pair& pair : pairs_) {
     const Vec guess = pair.solution.get(), r = pair.residual.get();
     const bool has_guess = pair.solutions.guess(place, guess);
     if (has_guess) pair.move(guess);
     pair.measure(false, r);
-    double size = norm(r);  // of the right-hand side
+    const double size = norm(r);
     if (!std::isfinite(size)) return false;
-    if (has_guess) {
-      system.multiply(guess, r_.get());
-      check(VecAXPY(r_.get(), 1.0, r));
-      size = norm(r_.get());
-    }
-    const double left = norm(r);
-    if (left <= std::max(floor, part_that_is_left * size)) continue;
+    if (size <= floor) continue;
     residuals.push_back(r);
+    guesses.push_back(has_guess ? guess : nullptr);
     changes.push_back(pair.change.get());
-    parts.push_back(part_that_is_left * size / left);
     open.push_back(&pair);
   }
-  if (!system.solve(residuals, changes, parts)) return false;
+  if (!system.solve(residuals, guesses, changes, part_that_is_left)) return false;
   for (Pair* pair : open) {
     pair->move(pair->change.get());
     check(VecAXPY(pair->solution.get(), 1.0, pair->change.get()));
