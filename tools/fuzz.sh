@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds the fuzzers of everything that reads files (docs/developer/hygiene.md) and runs each.
 #
-#   tools/fuzz.sh [SECONDS [NAME ...]]      default: 60 seconds each of input, msh, abaqus, nastran, medit, unv, vtk, vtu, med,
+#   tools/fuzz.sh [SECONDS [NAME ...]]      default: 60 seconds each of input, fit, msh, abaqus, nastran, medit, unv, vtk, vtu, med,
 #                                         mesh_file, surface, triangles, result, checkpoint
 #
 # Starts from tests/fuzz/corpus and what earlier runs kept in build-fuzz/corpus. A finding ends the fuzzer; it lies in
@@ -15,7 +15,7 @@ source "$root/tools/environment.sh"
 seconds=${1:-60}
 [[ $seconds =~ ^[0-9]+$ ]] || fail "usage: tools/fuzz.sh [SECONDS [NAME ...]]"
 names=("${@:2}")
-((${#names[@]} > 0)) || names=(input msh abaqus nastran medit unv vtk vtu med mesh_file surface triangles result checkpoint)
+((${#names[@]} > 0)) || names=(input fit msh abaqus nastran medit unv vtk vtu med mesh_file surface triangles result checkpoint)
 fuzz=$root/build-fuzz
 
 command -v clang++-16 >/dev/null || fail "clang is needed: apt-get install clang-16 libclang-rt-16-dev"

@@ -160,7 +160,8 @@ void CommandLine::add_sensitivity() {
   sensitivity
       ->add_option("--fields", arguments_.gradient.fields,
                    "with --adjoint: constants of which each cell has a value, e.g. "
-                   "bodies.0.elasticity.youngs_modulus; initial.velocity, initial.displacement of each node")
+                   "bodies.0.elasticity.youngs_modulus, bodies.0.density; of each node mesh.nodes (its place: the "
+                   "shape), initial.velocity, initial.displacement")
       ->delimiter(',')
       ->type_name("KEY,...")
       ->needs(weights);

@@ -210,7 +210,7 @@ class EnergyTerm {
   /// r += (dr/dq)^T d - K d, K the Hessian, of a term without a potential.
   virtual void add_transposed_rest(const LocalStage& /*stage*/, std::span<const double> /*q*/,
                                    std::span<const double> /*d*/, std::span<double> /*r*/) const {}
-  /// works += dPhi/dq . d of each local cell [J], for terms that depend on the laws of bodies.
+  /// works += dPhi/dq . d of each local cell [J], for terms that are integrals over cells of bodies.
   virtual void add_cell_works(const LocalStage& /*stage*/, std::span<const double> /*q*/, std::span<const double> /*d*/,
                               std::span<double> /*works*/) const {}
 

@@ -36,6 +36,19 @@ void improve(Tensor3<double>& R, const Tensor3<double>& A) {
   }
 }
 
+/// x = R x of each node, or R^T x if `is_transposed`.
+template <int is_transposed, class T>
+void turn_each(const std::vector<Tensor3<double>>& rotations, T* x) {
+  for (const Tensor3<double>& R : rotations) {
+    T turned[3];
+    for (std::size_t i = 0; i < 3; ++i) {
+      turned[i] = is_transposed ? R(0, i) * x[0] + R(1, i) * x[1] + R(2, i) * x[2]
+                                : R(i, 0) * x[0] + R(i, 1) * x[1] + R(i, 2) * x[2];
+    }
+    x = std::copy_n(turned, 3, x);
+  }
+}
+
 }  // namespace
 
 NodalRotations::NodalRotations(const NodeLayout& layout, std::span<const char> is_held)
@@ -99,20 +112,20 @@ void NodalRotations::follow(Vec u) {
 
 void NodalRotations::turn(Vec x) const {
   const ArrayView entries(x);
-  for (std::size_t a = 0; a < rotations_.size(); ++a) {
-    double* const at = entries.span().data() + 3 * a;
-    const auto turned = matvec(rotations_[a], Vector3<double>{at[0], at[1], at[2]});
-    std::ranges::copy(turned, at);
-  }
+  turn_each<0>(rotations_, entries.span().data());
 }
 
 void NodalRotations::turn_back(Vec x) const {
   const ArrayView entries(x);
-  for (std::size_t a = 0; a < rotations_.size(); ++a) {
-    double* const at = entries.span().data() + 3 * a;
-    const auto turned = matvec(transpose(rotations_[a]), Vector3<double>{at[0], at[1], at[2]});
-    std::ranges::copy(turned, at);
-  }
+  turn_each<1>(rotations_, entries.span().data());
+}
+
+void NodalRotations::turn(std::span<SeveralDoubles> x) const {
+  turn_each<0>(rotations_, x.data());
+}
+
+void NodalRotations::turn_back(std::span<SeveralDoubles> x) const {
+  turn_each<1>(rotations_, x.data());
 }
 
 }  // namespace pliant

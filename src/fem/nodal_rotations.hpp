@@ -1,6 +1,7 @@
 /// The local rotation of the body around each node.
 #pragma once
 
+#include "base/several.hpp"
 #include "base/vector3.hpp"
 #include "fem/layout.hpp"
 
@@ -33,6 +34,9 @@ class NodalRotations {
   /// x is replaced by R x, and by R^T x. Not collective.
   void turn(Vec x) const;
   void turn_back(Vec x) const;
+  /// The same for the owned entries of several vectors at once.
+  void turn(std::span<SeveralDoubles> x) const;
+  void turn_back(std::span<SeveralDoubles> x) const;
 
  private:
   /// Positions of local nodes [m].

@@ -154,7 +154,7 @@ class LoadTerms {
     return samples_of(masses_of_affine_bodies(bodies_.layout, bodies_.body_of_cell, bodies));
   }
   static LoadSamples samples_of(const std::vector<MassAtNode>& masses) {
-    LoadSamples samples{1, 1, {}, {{1.0}}, {}, {}};
+    LoadSamples samples{1, 1, {}, {}, {{1.0}}, {}, {}};
     for (const auto& [node, mass, centre] : masses) {
       samples.nodes.push_back(node);
       samples.points.push_back(centre);

@@ -45,11 +45,16 @@ Model::Model(const Mesh& mesh, const Config& given, const TermFactory& additiona
   build(mesh, additional);
 }
 
+Model::Model(const Mesh& mesh, const Config& given, const NodeLayout& numbered)
+    : config_(with_rigid_bodies(given)), layout_(numbered) {
+  build(mesh, {});
+}
+
 void Model::build(const Mesh& mesh, const TermFactory& additional) {
   const Config& config = config_;
   mesh_report_ = mesh.report;
   const int order = static_cast<int>(config.element);
-  layout_ = make_layout(mesh, order);
+  if (layout_.comm == MPI_COMM_NULL) layout_ = make_layout(mesh, order);
   fingerprint_ = fingerprint(layout_);
   on_every_rank(layout_.comm, [&] { pattern_ = std::make_unique<BlockPattern>(layout_); });
   if (order == 1 && mesh.geometry_order == 2) {
@@ -169,12 +174,13 @@ void Model::build_inertia(const Config& config) {
   const auto& groups = std::get<CellGroups<Order>>(cells_);
   const bool has_mass = std::any_of(densities_.begin(), densities_.end(), [](double d) { return d > 0.0; });
   if (!has_mass && config.rigid_bodies.empty() && config.rods.empty() && config.shells.empty()) return;
-  MassMatrix mass = make_mass_matrix<Order>(layout_, *pattern_, groups, densities_,
-                                            config.mass == MassKind::consistent ? Mass::consistent : Mass::lumped);
+  const Mass kind = config.mass == MassKind::consistent ? Mass::consistent : Mass::lumped;
+  MassMatrix mass = make_mass_matrix<Order>(layout_, *pattern_, groups, densities_, kind);
   add_affine_bodies(layout_, *pattern_, body_of_cell_, masses_of_rigid_bodies(config), mass);
   if (rods_.term) rods_.term->add_masses(*pattern_, mass);
   add_masses_of_shells(layout_, *pattern_, config.mass, shells_, mass);
-  inertia_ = std::make_unique<Inertia>(layout_, std::move(mass));
+  inertia_ = std::make_unique<Inertia>(layout_, std::move(mass),
+                                       make_cell_mass_products<Order>(layout_, groups, densities_, kind));
 }
 
 void Model::build_terms(const Config& config, const Mesh& mesh) {

@@ -44,6 +44,8 @@ class Model {
   Model(MPI_Comm comm, const Config& config, const TermFactory& additional = {});
   /// On a mesh that is there already, that of mesh_source (model/mesh_source.hpp).
   Model(const Mesh& mesh, const Config& config, const TermFactory& additional = {});
+  /// Likewise, with the nodes that another model has numbered for the same mesh and elements.
+  Model(const Mesh& mesh, const Config& config, const NodeLayout& numbered);
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 

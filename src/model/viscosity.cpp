@@ -71,8 +71,8 @@ std::vector<std::unique_ptr<EnergyTerm>> make_terms(const Config& config, const 
   const auto damping = damping_densities(config, on.elastic.size());
   if (std::ranges::any_of(damping, [](double density) { return density > 0.0; })) {
     const Mass mass = config.mass == MassKind::lumped ? Mass::lumped : Mass::consistent;
-    terms.push_back(
-        std::make_unique<MassDamping>(make_mass_matrix<Order>(on.layout, on.pattern, groups, damping, mass)));
+    terms.push_back(std::make_unique<MassDamping>(make_mass_matrix<Order>(on.layout, on.pattern, groups, damping, mass),
+                                                  make_cell_mass_products<Order>(on.layout, groups, damping, mass)));
   }
   return terms;
 }

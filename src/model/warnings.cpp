@@ -5,6 +5,7 @@
 #include "input/analysis.hpp"
 #include "input/elasticity.hpp"
 #include "input/loads.hpp"
+#include "material/fibre_stability.hpp"
 #include "material/library.hpp"
 #include "material/stability.hpp"
 #include "material/volume_split.hpp"
@@ -72,6 +73,8 @@ constexpr double longest_body = 50.0;        // [m]
 constexpr double locking_ratio = 0.49;       // Poisson's, of linear elements
 /// Stretches that runs of soft bodies reach; a law may become unstable beyond them without a word.
 constexpr double strongest_compression = 0.3, largest_stretch = 4.0;
+/// Stretches of tissue, which laws with fibres describe.
+constexpr double strongest_compression_of_tissue = 0.7, largest_stretch_of_tissue = 1.4;
 
 void check_body(const Config& config, const BodyConfig& body, Warnings& warnings) {
   if (!body.elasticity) return;
@@ -118,7 +121,19 @@ void check_stability(const BodyConfig& body, Warnings& warnings) {
   if (!body.elasticity) return;
   const ElasticityRule rule(*body.elasticity);
   if (!rule.is_uniform()) return;
-  const auto stable = stable_stretches(rule.law_at(0, {}));
+  const ElasticLawSpec law = rule.law_at(0, {});
+  if (const auto of_fibres = stable_fibre_stretches(law)) {
+    const std::string words = in_words(*of_fibres, strongest_compression_of_tissue, largest_stretch_of_tissue);
+    if (words.empty()) return;
+    warnings.add(
+        body.elasticity->where,
+        fmt::format("with these constants '{}' is stable only {}; beyond, shear bands may form, or the force of "
+                    "a specimen falls while its strain grows, and solutions depend on the mesh; check signs "
+                    "and units, or fit the constants to several kinds of test",
+                    body.elasticity->model, words));
+    return;
+  }
+  const auto stable = stable_stretches(law);
   if (!stable) return;
   const LibraryMaterial* material = find_material(body.elasticity->library);
   const double largest = material != nullptr ? std::min(material->highest_stretch, largest_stretch) : largest_stretch;

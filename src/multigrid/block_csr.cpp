@@ -51,18 +51,10 @@ PLIANT_INLINE Column<height> row_times(const BlockCsr& A, int row, const float* 
   return even + odd;
 }
 
-/// Calls `body` with the size of the blocks as constants.
-template <class Body>
-void with_sizes(const BlockCsr& A, Body body) {
-  if (A.height == 3 && A.width == 3) return body.template operator()<3, 3>();
-  if (A.height == 3) return body.template operator()<3, 6>();
-  return body.template operator()<6, 6>();
-}
-
 }  // namespace
 
 void multiply(const BlockCsr& A, std::span<const float> x, std::span<float> y) {
-  with_sizes(A, [&]<int height, int width>() {
+  with_block_size(A, [&]<int height, int width>() {
     const int n = static_cast<int>(y.size()) / height;
     for (int i = 0; i < n; ++i) {
       store<height>(row_times<height, width>(A, i, x.data()), &y[static_cast<std::size_t>(i) * height]);
@@ -77,7 +69,7 @@ void residual(const BlockCsr& A, std::span<const float> x, std::span<const float
 
 void smooth(const BlockCsr& A, std::span<const float> D, std::span<const float> x, std::span<const float> b, float keep,
             float take, std::span<float> p) {
-  with_sizes(A, [&]<int height, int width>() {
+  with_block_size(A, [&]<int height, int width>() {
     const int n = static_cast<int>(p.size()) / height;
     for (int i = 0; i < n; ++i) {
       const std::size_t at = static_cast<std::size_t>(i) * height;
@@ -103,7 +95,7 @@ void scale_blocks(int size, std::span<const float> D, std::span<const float> b, 
 }
 
 void add_product(const BlockCsr& P, std::span<const float> c, std::span<float> x) {
-  with_sizes(P, [&]<int height, int width>() {
+  with_block_size(P, [&]<int height, int width>() {
     const int n = static_cast<int>(x.size()) / height;
     for (int i = 0; i < n; ++i) {
       float sum[height];
@@ -115,7 +107,7 @@ void add_product(const BlockCsr& P, std::span<const float> c, std::span<float> x
 
 void multiply_transposed(const BlockCsr& P, std::span<const float> r, std::span<float> c) {
   std::ranges::fill(c, 0.0F);
-  with_sizes(P, [&]<int height, int width>() {
+  with_block_size(P, [&]<int height, int width>() {
     const int n = static_cast<int>(r.size()) / height;
     for (int i = 0; i < n; ++i) {
       const float* const from = &r[static_cast<std::size_t>(i) * height];

@@ -31,6 +31,14 @@ struct BlockCsr {
   void allocate() { values.assign(columns.size() * block_size() + padding, 0.0F); }
 };
 
+/// Calls `body` with height and width of the blocks as constants.
+template <class Body>
+void with_block_size(const BlockCsr& A, Body body) {
+  if (A.height == 3 && A.width == 3) return body.template operator()<3, 3>();
+  if (A.height == 3) return body.template operator()<3, 6>();
+  return body.template operator()<6, 6>();
+}
+
 /// y = A x for the rows of y, all or the first ones. x has ghosts.
 void multiply(const BlockCsr& A, std::span<const float> x, std::span<float> y);
 /// r = b - A x.

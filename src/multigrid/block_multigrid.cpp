@@ -1,5 +1,6 @@
 #include "multigrid/block_multigrid.hpp"
 
+#include "multigrid/block_csr_several.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 
@@ -130,8 +131,7 @@ Modes BlockMultigrid::coarsen(std::size_t n, const BlockSource& values, Modes mo
 
 void BlockMultigrid::add_level(Halo halo, BlockCsr pattern) {
   levels_.emplace_back(std::move(halo), std::move(pattern));
-  const Level& level = levels_.back();
-  work_.push_back({level.make_vector(), level.make_vector(), level.make_vector()});
+  work_.emplace_back(levels_.back().num_local_entries());
 }
 
 bool BlockMultigrid::factorize_coarsest(const BlockSource& values) {
@@ -170,48 +170,70 @@ double BlockMultigrid::operator_complexity() const {
   return finest > 0.0 ? all / finest : 1.0;
 }
 
-void BlockMultigrid::solve_coarsest(Work& work) {
+template <class T>
+void BlockMultigrid::solve_coarsest(Level::Work<T>& work) {
   const Level& level = levels_.back();
-  const std::span own = std::span(work.b).first(level.num_own_entries());
-  const std::vector<float> all = gathered(level.halo().comm(), own);
-  const Eigen::VectorXd b =
-      Eigen::Map<const Eigen::VectorXf>(all.data(), static_cast<Eigen::Index>(all.size())).cast<double>();
-  const Eigen::VectorXd x = coarsest_->factors.solve(b);
-  const PetscInt begin = level.halo().first() * level.matrix().height;
-  for (std::size_t i = 0; i < own.size(); ++i) work.x[i] = static_cast<float>(x[begin + static_cast<PetscInt>(i)]);
+  constexpr Eigen::Index lanes = sizeof(T) / sizeof(float);
+  const std::span<const float> own(reinterpret_cast<const float*>(work.b.data()), lanes * level.num_own_entries());
+  const std::vector<float> all = gathered(level.halo().comm(), std::vector<float>(own.begin(), own.end()));
+  using Rows = Eigen::Matrix<float, Eigen::Dynamic, lanes, lanes == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
+  const Eigen::Matrix<double, Eigen::Dynamic, lanes> b =
+      Eigen::Map<const Rows>(all.data(), static_cast<Eigen::Index>(all.size()) / lanes, lanes).template cast<double>();
+  const Eigen::Matrix<double, Eigen::Dynamic, lanes> x = coarsest_->factors.solve(b);
+  const Eigen::Index begin = level.halo().first() * level.matrix().height;
+  const auto count = static_cast<Eigen::Index>(level.num_own_entries());
+  Eigen::Map<Rows>(reinterpret_cast<float*>(work.x.data()), count, lanes) =
+      x.middleRows(begin, count).template cast<float>();
 }
 
-void BlockMultigrid::cycle(std::size_t n) {
-  Work& work = work_[n];
+template <class T>
+void BlockMultigrid::cycle(std::size_t n, Works<T>& works) {
+  Level::Work<T>& work = works[n];
   if (n + 1 == levels_.size()) return solve_coarsest(work);
-  Level& level = levels_[n];
-  Work& coarse = work_[n + 1];
+  const Level& level = levels_[n];
+  Level::Work<T>& coarse = works[n + 1];
   const GalerkinProduct& transfer = *transfers_[n];
-  const auto own = [&level](std::vector<float>& v) { return std::span(v).first(level.num_own_entries()); };
-  level.smooth_from_zero(work.b, work.x);
-  level.residual(work.b, work.x, work.r);
+  const auto own = [&level](std::vector<T>& v) { return std::span(v).first(level.num_own_entries()); };
+  level.smooth_from_zero(work);
+  level.residual(work);
   multiply_transposed(transfer.prolongation(), own(work.r), coarse.b);
   transfer.coarse().add_to_owners(std::span(coarse.b), transfer.prolongation().width);
-  cycle(n + 1);
+  cycle(n + 1, works);
   transfer.coarse().fetch(std::span(coarse.x), transfer.prolongation().width);
   add_product(transfer.prolongation(), coarse.x, own(work.x));
-  level.smooth_further(work.b, work.x);
+  level.smooth_further(work);
 }
 
 void BlockMultigrid::apply(Vec b, Vec x) {
   PetscReal size = 0.0;
   check(VecNorm(b, NORM_INFINITY, &size));
   if (!(size > 0.0)) return check(VecCopy(b, x));
-  Work& work = work_.front();
+  Level::Work<float>& work = work_.front();
   {
     const ConstArrayView values(b);
     std::ranges::transform(values.span(), work.b.begin(), [size](double v) { return static_cast<float>(v / size); });
   }
-  cycle(0);
+  cycle(0, work_);
   const double by = size / scale_;
   const ArrayView values(x);
   std::transform(values.span().begin(), values.span().end(), work.x.begin(), values.span().begin(),
                  [by](double, float v) { return by * v; });
+}
+
+void BlockMultigrid::apply(std::span<const SeveralDoubles> b, std::span<SeveralDoubles> x) {
+  for (std::size_t n = several_.size(); n < levels_.size(); ++n) several_.emplace_back(levels_[n].num_local_entries());
+  SeveralDoubles size(0.0);
+  for (const SeveralDoubles& entry : b) size = std::experimental::max(size, std::experimental::abs(entry));
+  const MPI_Comm comm = levels_.front().halo().comm();
+  for (std::size_t lane = 0; lane < num_several; ++lane) {
+    const double largest = maximum(comm, static_cast<double>(size[lane]));
+    size[lane] = largest > 0.0 ? largest : 1.0;
+  }
+  const SeveralDoubles down = 1.0 / size, up = size / scale_;
+  Level::Work<SeveralFloats>& work = several_.front();
+  for (std::size_t i = 0; i < b.size(); ++i) work.b[i] = to_floats(down * b[i]);
+  cycle(0, several_);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = up * to_doubles(work.x[i]);
 }
 
 }  // namespace pliant

@@ -1,12 +1,14 @@
 /// Algebraic multigrid for elastic bodies in single precision, as a preconditioner.
 #pragma once
 
+#include "base/several.hpp"
 #include "multigrid/galerkin.hpp"
 #include "multigrid/level.hpp"
 #include "petsc/handle.hpp"
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace pliant {
@@ -25,15 +27,16 @@ class BlockMultigrid {
   bool set_up(Mat K);
   /// x = an approximation of K^-1 b. Collective.
   void apply(Vec b, Vec x);
+  /// The same for the own entries of several vectors at once. Collective.
+  void apply(std::span<const SeveralDoubles> b, std::span<SeveralDoubles> x);
 
   int num_levels() const { return static_cast<int>(levels_.size()); }
   /// Entries of all matrices relative to those of the finest.
   double operator_complexity() const;
 
  private:
-  struct Work {
-    std::vector<float> b, x, r;
-  };
+  template <class T>
+  using Works = std::vector<Level::Work<T>>;  // of the levels
   enum class Depth { deeper, coarsest, hopeless };
   BlockMultigrid() = default;
   void add_level(Halo halo, BlockCsr pattern);
@@ -44,14 +47,17 @@ class BlockMultigrid {
   Modes coarsen(std::size_t n, const BlockSource& values, Modes modes);
   const BlockSource& values_of(std::size_t level, const BlockSource& finest) const;
   bool factorize_coarsest(const BlockSource& values);
-  void cycle(std::size_t level);
-  void solve_coarsest(Work& work);
+  template <class T>
+  void cycle(std::size_t level, Works<T>& works);
+  template <class T>
+  void solve_coarsest(Level::Work<T>& work);
 
   std::vector<Level> levels_;  // finest first
   std::vector<Aggregates> aggregates_;
   std::optional<ProlongationRows> given_;                    // from the second level to the first
   std::vector<std::unique_ptr<GalerkinProduct>> transfers_;  // to the next level
-  std::vector<Work> work_;
+  Works<float> work_;
+  Works<SeveralFloats> several_;  // empty until they are needed
   struct Coarsest;
   struct Deleter {
     void operator()(Coarsest* coarsest) const;

@@ -1,5 +1,6 @@
 #include "multigrid/level.hpp"
 
+#include "multigrid/block_csr_several.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -53,7 +54,6 @@ void invert(const double* block, float* inverse) {
 Level::Level(Halo halo, BlockCsr pattern) : halo_(std::move(halo)), A_(std::move(pattern)) {
   A_.allocate();
   D_.resize(static_cast<std::size_t>(A_.num_rows()) * A_.block_size() + BlockCsr::padding);
-  step_ = make_vector();
 }
 
 bool Level::take(const BlockSource& values) {
@@ -104,32 +104,39 @@ double Level::estimate_largest() const {
   return solver.eigenvalues().maxCoeff();
 }
 
-void Level::residual(std::span<const float> b, std::span<float> x, std::span<float> r) const {
-  halo_.fetch(x, A_.height);
-  pliant::residual(A_, x, own(b), own(r));
+template <class T>
+void Level::residual(Work<T>& w) const {
+  halo_.fetch(std::span(w.x), A_.height);
+  pliant::residual(A_, w.x, own(std::span(w.b)), own(std::span(w.r)));
 }
 
 // Saad 2003, algorithm 12.1.
-void Level::smooth(std::span<const float> b, std::span<float> x, Start start) {
+template <class T>
+void Level::smooth(Work<T>& w, Start start) const {
   const double theta = (smoothed_to + smoothed_from) / 2.0 * largest_;
   const double delta = (smoothed_to - smoothed_from) / 2.0 * largest_;
   const double sigma = theta / delta;
-  const std::span<float> p = own(std::span(step_));
+  const std::span<T> p = own(std::span(w.step)), b = own(std::span(w.b));
   double rho = 1.0 / sigma;
   for (int k = 0; k < degree; ++k) {
     const double next = k == 0 ? 0.0 : 1.0 / (2.0 * sigma - rho);
     const double keep = next * rho, take = k == 0 ? 1.0 / theta : 2.0 * next / delta;
     if (k > 0) rho = next;
     if (k == 0 && start == Start::zero) {
-      scale_blocks(A_.height, D_, own(b), static_cast<float>(take), p);
-      std::ranges::copy(p, x.begin());
+      scale_blocks(A_.height, D_, b, static_cast<float>(take), p);
+      std::ranges::copy(p, w.x.begin());
       continue;
     }
-    if (k == 0) std::ranges::fill(p, 0.0F);
-    halo_.fetch(x, A_.height);
-    pliant::smooth(A_, D_, x, own(b), static_cast<float>(keep), static_cast<float>(take), p);
-    for (std::size_t i = 0; i < p.size(); ++i) x[i] += p[i];
+    if (k == 0) std::ranges::fill(p, T(0.0F));
+    halo_.fetch(std::span(w.x), A_.height);
+    pliant::smooth(A_, D_, w.x, b, static_cast<float>(keep), static_cast<float>(take), p);
+    for (std::size_t i = 0; i < p.size(); ++i) w.x[i] += p[i];
   }
 }
+
+template void Level::residual(Work<float>&) const;
+template void Level::residual(Work<SeveralFloats>&) const;
+template void Level::smooth(Work<float>&, Start) const;
+template void Level::smooth(Work<SeveralFloats>&, Start) const;
 
 }  // namespace pliant

@@ -94,6 +94,40 @@ void MatrixBlocks::Part::read(int row, std::size_t k, double factor, double* blo
   }
 }
 
+void MatrixBlocks::Part::add_products(int row, const SeveralDoubles* first, SeveralDoubles* sums) const {
+  const PetscInt* const begins = offsets_ + 3 * static_cast<std::ptrdiff_t>(row);
+  if (!begins_.empty()) {
+    for (int r = 0; r < 3; ++r) {
+      for (PetscInt k = begins[r]; k < begins[r + 1]; ++k) sums[r] += values_[k] * first[entry(columns_[k])];
+    }
+    return;
+  }
+  const PetscInt size = begins[1] - begins[0];
+  const PetscInt* const columns = columns_ + begins[0];
+  const PetscScalar* const values = values_ + begins[0];
+  SeveralDoubles a = sums[0], b = sums[1], c = sums[2];
+  for (PetscInt k = 0; k < size; k += 3) {
+    const SeveralDoubles* const x = first + entry(columns[k]);
+    for (PetscInt d = 0; d < 3; ++d) {
+      a += values[k + d] * x[d];
+      b += values[size + k + d] * x[d];
+      c += values[2 * size + k + d] * x[d];
+    }
+  }
+  sums[0] = a;
+  sums[1] = b;
+  sums[2] = c;
+}
+
+void MatrixBlocks::multiply(std::span<const SeveralDoubles> x, std::span<SeveralDoubles> y) const {
+  for (int row = 0; row < num_rows_; ++row) {
+    SeveralDoubles sums[3] = {0.0, 0.0, 0.0};
+    own_.add_products(row, x.data(), sums);
+    if (others_.is_open()) others_.add_products(row, x.data() + 3 * static_cast<std::ptrdiff_t>(num_rows_), sums);
+    std::copy_n(sums, 3, y.begin() + 3 * static_cast<std::ptrdiff_t>(row));
+  }
+}
+
 double MatrixBlocks::scale_to_one() {
   const PetscInt num_rows = 3 * num_rows_;
   double largest = maximum(comm_, std::max(own_.largest(num_rows), others_.largest(num_rows)));

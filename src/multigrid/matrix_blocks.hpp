@@ -1,6 +1,7 @@
 /// PETSc's matrices of scalars read as blocks of 3 x 3.
 #pragma once
 
+#include "base/several.hpp"
 #include "multigrid/block_csr.hpp"
 #include "multigrid/halo.hpp"
 #include "petsc/handle.hpp"
@@ -36,6 +37,8 @@ class MatrixBlocks : public BlockSource {
   void read(int row, std::size_t k, double* block) const override;
   /// Divides what is read from now on by the largest entry, which is returned; 1 if all are zero. Collective.
   double scale_to_one();
+  /// y = K x for the own entries of several vectors at once, unscaled. x has ghosts. Not collective.
+  void multiply(std::span<const SeveralDoubles> x, std::span<SeveralDoubles> y) const;
 
  private:
   /// A matrix of one rank.
@@ -50,6 +53,8 @@ class MatrixBlocks : public BlockSource {
     /// The node of the k-th block of a row.
     int node(int row, std::size_t k) const;
     void read(int row, std::size_t k, double factor, double* block) const;
+    /// sums += three rows times x, in which the entries of this part follow `first`.
+    void add_products(int row, const SeveralDoubles* first, SeveralDoubles* sums) const;
 
    private:
     PetscInt entry(PetscInt column) const { return entries_.empty() ? column : entries_[column]; }

@@ -30,8 +30,8 @@ StepOutcome::Kind outcome_of(const RetryDecision& decision, StepOutcome::Kind ot
 
 }  // namespace
 
-Simulation::Simulation(const Config& config, Model& model, Stages stages)
-    : analysis_(analysis_of(config)), model_(model) {
+Simulation::Simulation(const Config& config, Model& model, Stages stages, Books books)
+    : analysis_(analysis_of(config)), books_(books), model_(model) {
   q_ = make_vector(model.layout());
   v_ = make_vector(model.layout());
   if (analysis_ != Analysis::static_equilibrium) {
@@ -44,7 +44,7 @@ Simulation::Simulation(const Config& config, Model& model, Stages stages)
   StateView initial{0.0, q_.get(), v_.get(), z.get()};
   if (analysis_ == Analysis::static_equilibrium) initial.load_factor = record_.load_factor = 0.0;
   ledger_.emplace(model, analysis_, initial);
-  if (analysis_ == Analysis::dynamic) initial.w = ledger_->works();
+  if (analysis_ == Analysis::dynamic && books_ == Books::kept) initial.w = ledger_->works();
   advance_ = make_advance(config, model, *ledger_, initial, stages);
   set_plan(config);
   control_.emplace(plan_);
@@ -294,7 +294,7 @@ StepOutcome Simulation::reject(const StepAttempt& attempt, const Step& step) {
 }
 
 void Simulation::accept(const StepAttempt& attempt, const Step& step) {
-  ledger_->book(attempt);
+  if (books_ == Books::kept) ledger_->book(attempt);
   check(VecCopy(attempt.q, q_.get()));
   check(VecCopy(attempt.v, v_.get()));
   // A step along a path may end elsewhere.

@@ -63,12 +63,15 @@ struct StepStatistics {
   double least_gap = std::numeric_limits<double>::infinity();
 };
 
+/// Whether the ledger of a simulation is kept. Where it is not, energies, works and reactions stay those of the start.
+enum class Books { kept, none };
+
 /// All methods are collective.
 class Simulation {
  public:
   /// Starts from the input's initial state. `config` is that of the model, but for its output; both outlive the object.
   /// Throws InputError if the initial state or a PETSc option is wrong.
-  Simulation(const Config& config, Model& model, Stages stages = Stages::solved_here);
+  Simulation(const Config& config, Model& model, Stages stages = Stages::solved_here, Books books = Books::kept);
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
   ~Simulation();
@@ -150,6 +153,7 @@ class Simulation {
   std::optional<std::string> passage(const StepAttempt& attempt);
 
   Analysis analysis_;
+  Books books_;
   int num_past_ = 1;  // states that the method uses; 2 for PETSc's, which may be multistep methods
   Model& model_;
   Handle<Vec> q_, v_;

@@ -146,6 +146,13 @@ void Factorization::apply(Vec b, Vec x) {
   check(PCApply(other().get(), b, x));
 }
 
+bool Factorization::apply(std::span<const SeveralDoubles> b, std::span<SeveralDoubles> x) {
+  if (single_) return single_->solve(b, x);
+  if (!blocks_) return false;
+  blocks_->apply(b, x);
+  return true;
+}
+
 std::optional<PetscInt> Factorization::negative_pivots() const {
   if (!is_symmetric(symmetry_) || is_multigrid()) return std::nullopt;
   return single_ ? single_->negative_pivots() : negative_pivots_of_petsc(double_.get());

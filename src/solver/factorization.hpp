@@ -31,6 +31,8 @@ class Factorization {
 
   void set_up(Mat K);
   void apply(Vec b, Vec x);
+  /// The same for several vectors at once; false if the preconditioner is one of PETSc's.
+  bool apply(std::span<const SeveralDoubles> b, std::span<SeveralDoubles> x);
   std::optional<PetscInt> negative_pivots() const;
   SetUp outcome() const { return outcome_; }
   double cost_of_set_up() const;

@@ -231,6 +231,11 @@ bool is_of_symmetric_part(PC pc) {
   return factorization != nullptr && factorization->is_of_symmetric_part();
 }
 
+bool apply_to_several(PC pc, std::span<const SeveralDoubles> b, std::span<SeveralDoubles> x) {
+  Factorization* factorization = factorization_of(pc);
+  return factorization != nullptr && factorization->apply(b, x);
+}
+
 double cost_of_set_up(PC pc) {
   const Factorization* factorization = factorization_of(pc);
   return factorization != nullptr ? factorization->cost_of_set_up() : cost_of_usual_set_up;

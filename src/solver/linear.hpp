@@ -1,12 +1,14 @@
 /// Linear solvers for Newton's method: Krylov methods preconditioned by factorizations (MUMPS) or multigrid.
 #pragma once
 
+#include "base/several.hpp"
 #include "energy/stage_equation.hpp"
 #include "petsc/handle.hpp"
 #include "solver/linear_kind.hpp"
 #include "solver/single_factorization.hpp"
 
 #include <optional>
+#include <span>
 #include <string>
 
 namespace pliant {
@@ -47,6 +49,10 @@ bool may_become_factorization(PC pc);
 
 /// Whether multigrid has replaced the factorization.
 bool uses_multigrid_instead(PC pc);
+
+/// x = the preconditioner times b, for the own entries of several vectors at once; false if it is one of PETSc's.
+/// Collective.
+bool apply_to_several(PC pc, std::span<const SeveralDoubles> b, std::span<SeveralDoubles> x);
 
 /// Cost of a set-up of the preconditioner, in iterations of the Krylov method with it: an estimate that depends only on
 /// the matrix, not on measured times.

@@ -265,13 +265,14 @@ bool LinearSystem::escalate(Vec q) {
   return true;
 }
 
-void LinearSystem::improve_poor_factor(Vec q, Vec r, Vec y) {
+FactorPolicy::Factored LinearSystem::what_is_factored() const {
   using enum FactorPolicy::Factored;
-  const auto is_poor = [&] {
-    PC pc = preconditioner_.get();
-    const auto factored = may_become_factorization(pc) ? nothing : is_of_symmetric_part(pc) ? symmetric_part : whole;
-    return FactorPolicy::is_poor(last_solve(), whose_factor(), factored);
-  };
+  PC pc = preconditioner_.get();
+  return may_become_factorization(pc) ? nothing : is_of_symmetric_part(pc) ? symmetric_part : whole;
+}
+
+void LinearSystem::improve_poor_factor(Vec q, Vec r, Vec y) {
+  const auto is_poor = [&] { return FactorPolicy::is_poor(last_solve(), whose_factor(), what_is_factored()); };
   while (is_poor() && refine_factorization(preconditioner_.get())) {
     if (!factorize_definite(q)) return;
     solve(r, y);
@@ -282,6 +283,30 @@ void LinearSystem::solve(Vec r, Vec y) {
   const Stopwatch watch(statistics_.solve_seconds);
   check(KSPSolve(ksp_, r, y));
   statistics_.linear_iterations += last_iterations();
+}
+
+bool LinearSystem::solve_several(std::span<const Vec> r, std::span<const Vec> guesses, std::span<const Vec> y,
+                                 double part) {
+  if (rank_one_ || factor_.has_failed() || !is_of_type(ksp_, KSPCG)) return false;
+  const Stopwatch watch(statistics_.solve_seconds);
+  const auto inverse = [&](std::span<const SeveralDoubles> b, std::span<SeveralDoubles> x) {
+    if (!rotations_) return apply_to_several(preconditioner_.get(), b, x);
+    turned_back_.assign(b.begin(), b.end());
+    rotations_->turn_back(turned_back_);
+    if (!apply_to_several(preconditioner_.get(), turned_back_, x)) return false;
+    rotations_->turn(x);
+    return true;
+  };
+  PetscInt most = 0;
+  check(KSPGetTolerances(ksp_, nullptr, nullptr, nullptr, &most));
+  const auto cost = several_.solve(K_.get(), inverse, r, guesses, y, part, static_cast<int>(most));
+  if (!cost) return false;
+  statistics_.linear_iterations += cost->iterations * static_cast<PetscInt>(r.size());
+  if (cost->iterations == 0) return true;
+  const FactorPolicy::Solve done{cost->iterations, cost->digits, pliant::cost_of_set_up(preconditioner_.get())};
+  if (FactorPolicy::is_poor(done, whose_factor(), what_is_factored())) return false;
+  factor_.note_solve(done, whose_factor());
+  return true;
 }
 
 PetscInt LinearSystem::last_iterations() const {

@@ -8,6 +8,7 @@
 #include "solver/factor_policy.hpp"
 #include "solver/objective.hpp"
 #include "solver/rank_one_system.hpp"
+#include "solver/several_systems.hpp"
 #include "solver/statistics.hpp"
 
 #include <memory>
@@ -69,6 +70,10 @@ class LinearSystem {
 
   /// y = K^-1 r.
   void solve(Vec r, Vec y);
+  /// Several systems at once, at most `num_several`, as SeveralSystems solves them. Returns false, with y undefined,
+  /// where one after another has to be solved: K is not definite, or the factor is not one for several vectors or too
+  /// rough. Records the cost.
+  bool solve_several(std::span<const Vec> r, std::span<const Vec> guesses, std::span<const Vec> y, double part);
   /// Whether the solution of the last system, with the right-hand side r, is a usable direction.
   bool has_direction(Vec r) const;
   /// Records the cost of the last solve, which ages a kept factor.
@@ -112,6 +117,7 @@ class LinearSystem {
   std::optional<PetscInt> negative_eigenvalues() const;
   PetscInt last_iterations() const;
   FactorPolicy::Solve last_solve() const;
+  FactorPolicy::Factored what_is_factored() const;
 
   Objective& objective_;
   StageEquation& equation_;
@@ -124,6 +130,8 @@ class LinearSystem {
   std::unique_ptr<RankOneSystem> rank_one_;             // nullptr if there are no such parts
   std::unique_ptr<NodalRotations> rotations_;           // since the factorization; nullptr if it does not rotate
   std::unique_ptr<CorotatedPreconditioner> corotated_;  // nullptr likewise
+  SeveralSystems several_;
+  std::vector<SeveralDoubles> turned_back_;
   FactorPolicy factor_;
   Escalation escalation_;
   bool may_choose_krylov_;  // the linear solver is conjugate gradients, and not by the user's choice

@@ -74,6 +74,7 @@ SingleFactorization& SingleFactorization::operator=(SingleFactorization&&) noexc
 
 void SingleFactorization::analyse(Mat K) {
   mumps_.reset();
+  gathered_ = {};
   analysed_ = pattern_id(K);
   rows_.clear();
   columns_.clear();
@@ -96,7 +97,6 @@ void SingleFactorization::analyse(Mat K) {
   }
   values_.resize(rows_.size());
   const bool is_distributed = num_ranks(reinterpret_cast<PetscObject>(K)) > 1;
-  rhs_.resize(rhs_rows_.size());
 
   // SYM = 1, "positive definite", means L D L^T without pivoting: negative pivots are counted, not rejected.
   mumps_ = std::make_unique<Mumps>(comm, symmetry_ == Symmetry::unsymmetric ? 0 : 1);
@@ -120,13 +120,11 @@ void SingleFactorization::analyse(Mat K) {
   id.irn_loc = rows_.data();
   id.jcn_loc = columns_.data();
   id.a_loc = values_.data();
-  id.nrhs = 1;
   if (is_distributed) {
-    id.nloc_rhs = id.lrhs_loc = static_cast<int>(rhs_.size());
+    id.nloc_rhs = id.lrhs_loc = static_cast<int>(rhs_rows_.size());
     id.irhs_loc = rhs_rows_.data();
-    id.rhs_loc = rhs_.data();
   } else {
-    id.rhs = rhs_.data();
+    id.lrhs = static_cast<int>(n);
   }
 }
 
@@ -169,17 +167,23 @@ SetUp SingleFactorization::factorize(Mat K) {
   }
   if (num_ranks(reinterpret_cast<PetscObject>(K)) > 1) {
     const int size = error >= 0 ? mumps_->id.info[22] : 0;  // above 0 it is a warning, and there are factors
-    solution_.resize(static_cast<std::size_t>(size));
-    solution_rows_.resize(solution_.size());
+    solution_rows_.resize(static_cast<std::size_t>(size));
     mumps_->id.lsol_loc = size;
-    mumps_->id.sol_loc = solution_.data();
     mumps_->id.isol_loc = solution_rows_.data();
     to_owners_ = {};
   }
   return outcome_of_mumps(error);
 }
 
-void SingleFactorization::gather_solution(Vec x) {
+void SingleFactorization::set_num_sides(std::size_t number) {
+  rhs_.resize(number * rhs_rows_.size());
+  solution_.resize(number * solution_rows_.size());
+  mumps_->id.nrhs = static_cast<int>(number);
+  mumps_->id.rhs = mumps_->id.rhs_loc = rhs_.data();
+  mumps_->id.sol_loc = solution_.data();
+}
+
+void SingleFactorization::gather_solution(std::size_t side, Vec x) {
   if (!to_owners_) {
     std::vector<PetscInt> rows(solution_rows_.begin(), solution_rows_.end());
     for (PetscInt& row : rows) --row;
@@ -192,7 +196,8 @@ void SingleFactorization::gather_solution(Vec x) {
   }
   {
     const ArrayView values(pivots_.get());
-    std::ranges::copy(solution_, values.span().begin());
+    const std::size_t size = values.span().size();
+    std::copy_n(solution_.begin() + static_cast<std::ptrdiff_t>(side * size), size, values.span().begin());
   }
   check(VecScatterBegin(to_owners_.get(), pivots_.get(), x, INSERT_VALUES, SCATTER_FORWARD));
   check(VecScatterEnd(to_owners_.get(), pivots_.get(), x, INSERT_VALUES, SCATTER_FORWARD));
@@ -205,6 +210,7 @@ void SingleFactorization::solve(Vec b, Vec x) {
     check(VecCopy(b, x));
     return;
   }
+  set_num_sides(1);
   {
     const ConstArrayView values(b);
     std::ranges::transform(values.span(), rhs_.begin(), [&](double value) { return static_cast<float>(value / size); });
@@ -214,12 +220,40 @@ void SingleFactorization::solve(Vec b, Vec x) {
     return;
   }
   if (num_ranks(reinterpret_cast<PetscObject>(x)) > 1) {
-    gather_solution(x);
+    gather_solution(0, x);
   } else {
     const ArrayView values(x);
     std::ranges::copy(rhs_, values.span().begin());
   }
   check(VecScale(x, size / scale_));
+}
+
+bool SingleFactorization::solve(std::span<const SeveralDoubles> b, std::span<SeveralDoubles> x) {
+  const auto comm = MPI_Comm_f2c(mumps_->id.comm_fortran);
+  set_num_sides(num_several);
+  SeveralDoubles size(0.0);
+  for (const SeveralDoubles& entry : b) size = std::experimental::max(size, std::experimental::abs(entry));
+  for (std::size_t side = 0; side < num_several; ++side) {
+    const double largest = maximum(comm, static_cast<double>(size[side]));
+    size[side] = largest > 0.0 ? largest : 1.0;
+    for (std::size_t i = 0; i < b.size(); ++i) rhs_[side * b.size() + i] = static_cast<float>(b[i][side] / size[side]);
+  }
+  if (mumps_->run(job_solve) < 0) return false;
+  const bool is_distributed = mumps_->icntl(21) == 1;
+  if (is_distributed && !gathered_) {
+    check(VecCreateMPI(comm, static_cast<PetscInt>(x.size()), PETSC_DETERMINE, gathered_.out()));
+  }
+  for (std::size_t side = 0; side < num_several; ++side) {
+    const double by = size[side] / scale_;
+    if (!is_distributed) {
+      for (std::size_t i = 0; i < x.size(); ++i) x[i][side] = by * rhs_[side * x.size() + i];
+      continue;
+    }
+    gather_solution(side, gathered_.get());
+    const ConstArrayView values(gathered_.get());
+    for (std::size_t i = 0; i < x.size(); ++i) x[i][side] = by * values.span()[i];
+  }
+  return true;
 }
 
 SingleFactorization::Size SingleFactorization::size() const {

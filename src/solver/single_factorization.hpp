@@ -1,11 +1,13 @@
 /// A sparse factorization in single precision, as a preconditioner for equations in double precision.
 #pragma once
 
+#include "base/several.hpp"
 #include "energy/term.hpp"
 #include "petsc/handle.hpp"
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace pliant {
@@ -43,6 +45,8 @@ class SingleFactorization {
   SetUp factorize(Mat K);
   /// x = K^-1 b, approximately, after a successful `factorize`.
   void solve(Vec b, Vec x);
+  /// The same for the own entries of several vectors at once; false if that fails.
+  bool solve(std::span<const SeveralDoubles> b, std::span<SeveralDoubles> x);
   /// What MUMPS reports on the last factorization.
   struct Size {
     double entries = 0.0;  ///< of the factors, over all ranks
@@ -65,7 +69,9 @@ class SingleFactorization {
   double weight(PetscInt row, PetscInt column) const {
     return symmetry_ == Symmetry::nearly_symmetric && row != column ? 0.5 : 1.0;
   }
-  void gather_solution(Vec x);
+  /// Gives MUMPS arrays for so many right-hand sides.
+  void set_num_sides(std::size_t number);
+  void gather_solution(std::size_t side, Vec x);
 
   Symmetry symmetry_;
   std::unique_ptr<Mumps> mumps_;
@@ -76,7 +82,7 @@ class SingleFactorization {
   // Right-hand side and solution; with several ranks the solution lies where the pivots are.
   std::vector<int> rhs_rows_, solution_rows_;
   std::vector<float> rhs_, solution_;
-  Handle<Vec> pivots_;
+  Handle<Vec> pivots_, gathered_;
   Handle<VecScatter> to_owners_;
 };
 

@@ -1,11 +1,10 @@
 #include "solver/tangent_system.hpp"
 
+#include "solver/merit.hpp"
+
+#include <algorithm>
+
 namespace pliant {
-namespace {
-
-constexpr double relative_residual = 1e-10;
-
-}  // namespace
 
 bool TangentSystem::begin(Vec q, Vec from) {
   q_ = q;
@@ -14,7 +13,6 @@ bool TangentSystem::begin(Vec q, Vec from) {
   // The solution may be any equilibrium: K must stay as it is.
   if (is_symmetric(equation.symmetry())) objective_.set_aim(Aim::any_equilibrium);
   system_.assemble(q);
-  check(KSPSetTolerances(ksp_, relative_residual, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   return system_.prepare(q);
 }
 
@@ -24,7 +22,8 @@ bool TangentSystem::has_solved() const {
   return reason > 0;
 }
 
-bool TangentSystem::solve(Vec r, Vec y) {
+bool TangentSystem::solve(Vec r, Vec y, double part) {
+  check(KSPSetTolerances(ksp_, part, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   system_.solve(r, y);
   system_.improve_poor_factor(q_, r, y);
   system_.note_solve();
@@ -38,6 +37,27 @@ bool TangentSystem::solve(Vec r, Vec y) {
   if (!system_.refine(q_)) return false;
   system_.solve(r, y);
   return has_solved();
+}
+
+bool TangentSystem::solve_from(Vec guess, Vec r, Vec y, double part) {
+  if (guess == nullptr) return solve(r, y, part);
+  multiply(guess, y);
+  check(VecAXPY(y, 1.0, r));
+  const double left = norm(r), target = part * norm(y);
+  check(VecZeroEntries(y));
+  return left <= target || solve(r, y, target / left);
+}
+
+bool TangentSystem::solve(std::span<const Vec> r, std::span<const Vec> guesses, std::span<const Vec> y, double part) {
+  for (std::size_t first = 0; first < r.size(); first += num_several) {
+    const std::size_t count = std::min(num_several, r.size() - first);
+    const auto some = [&](std::span<const Vec> all) { return all.subspan(first, count); };
+    if (count > 1 && system_.solve_several(some(r), some(guesses), some(y), part)) continue;
+    for (std::size_t n = first; n < first + count; ++n) {
+      if (!solve_from(guesses[n], r[n], y[n], part)) return false;
+    }
+  }
+  return true;
 }
 
 void TangentSystem::end() {

@@ -5,6 +5,8 @@
 #include "solver/linear_system.hpp"
 #include "solver/objective.hpp"
 
+#include <span>
+
 namespace pliant {
 
 /// K y = r with the exact Hessian K at the solution of a stage, for several right-hand sides r: what a change of the
@@ -18,8 +20,12 @@ class TangentSystem {
   /// Assembles K at q, the unknowns that solve the present stage. Returns false if it has no factor. On the way to the
   /// solution, K is that of Newton's method at q, reached from `from` (StageEquation::extrapolate_from).
   bool begin(Vec q, Vec from = nullptr);
-  /// Solves to ten digits; returns false if the linear solver fails.
-  bool solve(Vec r, Vec y);
+  /// Solves to ten digits, or until the residual has fallen to this part of r; returns false if the linear solver
+  /// fails.
+  bool solve(Vec r, Vec y, double part = 1e-10);
+  /// The same for several right-hand sides, from the residuals r at guesses (nullptr: 0), until each has fallen to this
+  /// part of what it is at 0. y is to be added to the guesses.
+  bool solve(std::span<const Vec> r, std::span<const Vec> guesses, std::span<const Vec> y, double part);
   /// y = K x.
   void multiply(Vec x, Vec y) const { check(MatMult(system_.matrix(), x, y)); }
   /// To be called after the last solve: the next stage may begin.
@@ -27,6 +33,7 @@ class TangentSystem {
 
  private:
   bool has_solved() const;
+  bool solve_from(Vec guess, Vec r, Vec y, double part);
 
   Objective& objective_;
   LinearSystem& system_;

@@ -4,6 +4,7 @@
 #include "model/mesh_cell_data.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
+#include "study/shape_gradient.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -18,7 +19,8 @@
 namespace pliant {
 namespace {
 
-constexpr std::string_view bodies = "bodies.", elasticity = ".elasticity.", viscosity = ".viscosity.";
+constexpr std::string_view bodies = "bodies.", elasticity = ".elasticity.", viscosity = ".viscosity.",
+                           density = ".density";
 
 /// A key `bodies.B.SECTION.REST`.
 struct KeyOfBody {
@@ -37,10 +39,16 @@ std::optional<KeyOfBody> key_of_body(std::string_view key, std::string_view sect
   return KeyOfBody{body, std::string(key.substr(section.size()))};
 }
 
-std::vector<std::string> of_viscosity(const std::vector<std::string>& keys) {
+/// The key of a constant that is a single number in the input.
+std::optional<KeyOfBody> key_of_number(std::string_view key) {
+  if (const auto found = key_of_body(key, density); found && found->rest.empty()) return found;
+  return key_of_body(key, viscosity);
+}
+
+std::vector<std::string> of_numbers(const std::vector<std::string>& keys) {
   std::vector<std::string> result;
   for (const std::string& key : keys) {
-    if (key_of_body(key, viscosity)) result.push_back(key);
+    if (key_of_number(key)) result.push_back(key);
   }
   return result;
 }
@@ -57,7 +65,7 @@ std::array<double, 3> centroid(const NodeLayout& layout, PetscInt cell) {
 
 AdjointFields::AdjointFields(std::string text, std::string file, std::vector<Override> changes,
                              const std::vector<std::string>& keys, const std::string& option)
-    : varied_(std::move(text), std::move(file), std::move(changes), of_viscosity(keys), option) {
+    : varied_(std::move(text), std::move(file), std::move(changes), of_numbers(keys), option) {
   const Config& config = varied_.given();
   const Location where{option, 0, 0};
   for (const std::string& key : keys) {
@@ -66,7 +74,11 @@ AdjointFields::AdjointFields(std::string text, std::string file, std::vector<Ove
       (key == "initial.velocity" ? by_velocity_ : by_displacement_) = true;
       continue;
     }
-    if (const auto found = key_of_body(key, viscosity)) {
+    if (key == key_of_nodes) {
+      by_nodes_ = true;
+      continue;
+    }
+    if (const auto found = key_of_number(key)) {
       const auto number = std::ranges::find(varied_.numbers(), key, &VariedNumber::key);
       if (number->value == 0.0) throw without_neighbours(varied_.file(), key);
       const auto place = static_cast<std::size_t>(number - varied_.numbers().begin());
@@ -75,10 +87,12 @@ AdjointFields::AdjointFields(std::string text, std::string file, std::vector<Ove
     }
     const auto found = key_of_body(key, elasticity);
     if (!found || found->body >= config.bodies.size() || !config.bodies[found->body].elasticity) {
-      throw InputError(where, fmt::format("'{}' has no value in each cell; constants of elasticity and viscosity have, "
-                                          "such as bodies.0.elasticity.youngs_modulus, and at each node "
-                                          "initial.velocity and initial.displacement",
-                                          key));
+      throw InputError(
+          where,
+          fmt::format("'{}' has no value in each cell; densities and constants of elasticity and viscosity have, "
+                      "such as bodies.0.elasticity.youngs_modulus, and at each node "
+                      "mesh.nodes, initial.velocity and initial.displacement",
+                      key));
     }
     const auto& constants = config.bodies[found->body].elasticity->constants;
     const auto constant = std::ranges::find(constants, found->rest, &GivenConstant::key);
@@ -110,11 +124,24 @@ std::vector<AdjointRun::Parameter> AdjointFields::parameters() const {
     };
     parameters.push_back({numbers_value(n), make, true});
   }
+  if (!by_nodes_) return parameters;
+  for (AdjointRun::Parameter& strain : strains_of_mesh(varied_.given())) parameters.push_back(std::move(strain));
   return parameters;
+}
+
+std::string AdjointFields::key(std::size_t n) const {
+  return n < constants_.size() ? constants_[n].key : std::string(key_of_nodes);
 }
 
 void AdjointFields::find_values(const Mesh& mesh, const Model& model) {
   const NodeLayout& layout = model.layout();
+  if (by_nodes_ && mesh.geometry_order > 1) {
+    throw InputError(
+        {varied_.file(), 0, 0},
+        fmt::format("'{}' needs a mesh with straight edges, and this one has curved ones; mesh it with linear "
+                    "elements",
+                    key_of_nodes));
+  }
   const MeshCellData data(mesh, layout);
   on_every_rank(layout.comm, [&] {
     for (std::size_t n = 0; n < constants_.size(); ++n) {
@@ -159,6 +186,10 @@ std::vector<AdjointFields::OnMesh> AdjointFields::on_mesh(const AdjointRun& run)
     const ConstArrayView values(x);
     fields.push_back({name, FieldLocation::node, 3, {values.span().begin(), values.span().end()}});
   };
+  if (by_nodes_) {
+    const Handle<Vec> slopes = derivatives_by_nodes(run, constants_.size());
+    add_nodes(true, "derivative(mesh.nodes)", slopes.get());
+  }
   add_nodes(by_displacement_, "derivative(initial.displacement)", run.by_displacement());
   add_nodes(by_velocity_, "derivative(initial.velocity)", run.by_velocity());
   return fields;

@@ -2,6 +2,7 @@
 
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
+#include "study/strained_mesh.hpp"
 
 #include <cmath>
 #include <utility>
@@ -19,21 +20,27 @@ std::vector<PetscInt> cells_of_internal(const IncrementalPotential& potential) {
   return cells;
 }
 
-AdjointPair::Side::Side(const Mesh& mesh, Config given)
+AdjointPair::Side::Side(const Mesh& mesh, Config given, const NodeLayout& layout)
     : config(std::move(given)),
-      model(mesh, config),
+      model(mesh, config, layout),
       motion(analysis_of(config) == Analysis::static_equilibrium ? model.constraints().motion() : model.motion()),
       internal(model.potential().internal_variables()),
       z(model.potential().make_internal()) {
   for (Handle<Vec>* x : {&q, &v, &q0, &v0, &r}) *x = make_vector(model.layout());
 }
 
-AdjointPair::AdjointPair(const Mesh& mesh, double value, const std::function<Config(double)>& make, bool by_cell) {
-  auto pair = neighbours_of(value, std::abs(value), [&](double x) { return std::make_unique<Side>(mesh, make(x)); });
+AdjointPair::AdjointPair(const Mesh& mesh, const NodeLayout& layout, const AdjointParameter& parameter) {
+  auto pair = neighbours_of(parameter.value, std::abs(parameter.value), [&](double x) {
+    if (!parameter.strain) return std::make_unique<Side>(mesh, parameter.make(x), layout);
+    NodeLayout strained = layout;
+    strain(*parameter.strain, x - 1.0, strained.coordinates);
+    const StrainedMesh of_mesh(mesh, *parameter.strain, x - 1.0);
+    return std::make_unique<Side>(mesh, parameter.make(x), strained);
+  });
   below_ = std::move(pair.below);
   above_ = std::move(pair.above);
   spacing_ = pair.spacing;
-  if (!by_cell) return;
+  if (!parameter.by_cell) return;
   of_cells_.assign(static_cast<std::size_t>(below_->model.layout().num_local_cells), 0.0);
   internal_cells_ = cells_of_internal(below_->model.potential());
 }
@@ -71,13 +78,26 @@ void AdjointPair::add_stage(const RecordedStage& stage, const StageBars& bars) {
   }
   for (std::size_t c = 0; c < works.size(); ++c) of_cells_[c] += works[c];
   total_ += product(&Side::r, bars.residual) + product(&Side::q, bars.q) + product(&Side::q0, bars.q0);
-  if (bars.internal == nullptr) return;
-  total_ += product(&Side::z, bars.internal);
+  if (bars.internal != nullptr) add_internal(bars.internal);
+}
+
+void AdjointPair::add_internal(Vec bar) {
+  total_ += product(&Side::z, bar);
   if (of_cells_.empty()) return;
-  const ConstArrayView change(above_->z.get()), bar(bars.internal);
+  const ConstArrayView change(above_->z.get()), multipliers(bar);
   for (std::size_t i = 0; i < internal_cells_.size(); ++i) {
-    of_cells_[static_cast<std::size_t>(internal_cells_[i])] += change.span()[i] * bar.span()[i];
+    of_cells_[static_cast<std::size_t>(internal_cells_[i])] += change.span()[i] * multipliers.span()[i];
   }
+}
+
+void AdjointPair::add_completion(Vec q, Vec internal) {
+  if (internal == nullptr) return;
+  clear(&Side::z);
+  for (Side* side : {below_.get(), above_.get()}) {
+    check(VecCopy(q, side->q.get()));
+    side->internal.complete_step(nullptr, side->q.get(), side->z.get());
+  }
+  add_internal(internal);
 }
 
 void AdjointPair::add_end(const Step& step, Vec q, Vec v) {

@@ -6,12 +6,23 @@
 #include "study/neighbours.hpp"
 #include "study/recorded_step.hpp"
 
+#include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace pliant {
+
+/// A parameter: the number's value, the input with another value of it, and whether it is one of every cell.
+struct AdjointParameter {
+  double value = 0.0;
+  std::function<Config(double)> make;
+  bool by_cell = false;
+  /// Where the number is 1 + s, with a strain s of the whole mesh: its entry (StrainedMesh).
+  std::optional<std::array<std::size_t, 2>> strain = {};
+};
 
 /// Derivatives of a number J by what a stage computes.
 struct StageBars {
@@ -28,11 +39,13 @@ std::vector<PetscInt> cells_of_internal(const IncrementalPotential& potential);
 /// values of it, at the solutions of the run. All methods are collective.
 class AdjointPair {
  public:
-  /// `make(value)`: the input with this value. `by_cell`: whether each cell has a value of its own; the number must be
-  /// one on which only the law of a body depends. Throws as neighbours_of does.
-  AdjointPair(const Mesh& mesh, double value, const std::function<Config(double)>& make, bool by_cell);
+  /// `layout`: of the run's nodes. If each cell has a value of its own, the number must be one on which only integrals
+  /// over cells depend. Throws as neighbours_of does.
+  AdjointPair(const Mesh& mesh, const NodeLayout& layout, const AdjointParameter& parameter);
 
   void add_stage(const RecordedStage& stage, const StageBars& bars);
+  /// The internal variables that are functions of the configuration q at the end of a step; `internal` as of StageBars.
+  void add_completion(Vec q, Vec internal);
   /// The prescribed motion at the end of a step, and what a restart makes of velocities.
   void add_end(const Step& step, Vec q, Vec v);
   void add_restart(const Step& step, Vec v);
@@ -47,7 +60,7 @@ class AdjointPair {
 
  private:
   struct Side {
-    Side(const Mesh& mesh, Config given);
+    Side(const Mesh& mesh, Config given, const NodeLayout& layout);
 
     Config config;
     Model model;
@@ -59,6 +72,8 @@ class AdjointPair {
   /// b . (above - below).
   double product(Handle<Vec> Side::*what, Vec b) const;
   void clear(Handle<Vec> Side::*what) const;
+  /// The difference of the internal variables, which are in Side::z.
+  void add_internal(Vec bar);
 
   std::unique_ptr<Side> below_, above_;
   double spacing_ = 0.0;

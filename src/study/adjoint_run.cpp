@@ -1,5 +1,6 @@
 #include "study/adjoint_run.hpp"
 
+#include "fem/element.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
@@ -57,10 +58,10 @@ AdjointRun::AdjointRun(const Mesh& mesh, Config config, AdjointWeights weights,
   recording_.emplace(*simulation_);
   seeds_ = seeds_of(weights_, config_, HistoryRow(config_, model_, simulation_->ledger()).columns());
   for (const Parameter& p : parameters) {
-    pairs_.push_back(std::make_unique<AdjointPair>(mesh, p.value, p.make, p.by_cell));
+    pairs_.push_back(std::make_unique<AdjointPair>(mesh, model_.layout(), p));
   }
   for (Handle<Vec>* x : {&start_.q, &start_.v, &lambda_, &rhs_, &unknowns_, &algebraic_q_, &algebraic_q0_, &unused_,
-                         &seed_, &by_displacement_, &by_velocity_}) {
+                         &seed_, &by_displacement_, &by_velocity_, &by_position_}) {
     *x = make_vector(model_.layout());
   }
   const Vec z = simulation_->record().z;
@@ -171,6 +172,21 @@ AdjointRun::Bars& AdjointRun::bars_of(std::int64_t step) {
   return bars;
 }
 
+void AdjointRun::add_to_position(const ProbeLocation& probe, int component, double weight) {
+  const GhostedView position(by_position_.get());
+  const auto add = [&](PetscInt node, double part) {
+    position.span()[static_cast<std::size_t>(3 * node + component)] += weight * part;
+  };
+  for (std::size_t a = 0; a < probe.nodes.size(); ++a) {
+    if (a < 4) {
+      add(probe.nodes[a], probe.weights[a]);
+      continue;
+    }
+    for (const int corner : tet_edges[a - 4])
+      add(probe.nodes[static_cast<std::size_t>(corner)], 0.5 * probe.weights[a]);
+  }
+}
+
 void AdjointRun::add_weights(std::int64_t step, Bars& bars) {
   const auto found = weights_of_step_.find(step);
   if (found == weights_of_step_.end()) return;
@@ -181,6 +197,7 @@ void AdjointRun::add_weights(std::int64_t step, Bars& bars) {
       for (std::size_t c = 0; c < seeds_.size(); ++c) {
         if (seeds_[c].is_velocity != is_velocity) continue;
         const ProbeLocation& probe = model_.probes()[seeds_[c].probe];
+        if (!is_velocity) add_to_position(probe, seeds_[c].component, found->second[c]);
         for (std::size_t a = 0; a < probe.nodes.size(); ++a) {
           const auto entry = static_cast<std::size_t>(3 * probe.nodes[a] + seeds_[c].component);
           seed.span()[entry] += found->second[c] * probe.weights[a];
@@ -218,6 +235,7 @@ void AdjointRun::go_back_through(const RecordedStep& step) {
     return;
   }
   const Method& method = *step.method;
+  for (const auto& pair : pairs_) pair->add_completion(step.end(), owned_part(bars.z.get()));
   model_.potential().adjoint().pull_back_completion(step.end(), bars.z.get(), bars.q.get());
   for (const auto& pair : pairs_) pair->add_end(step.step, bars.q.get(), bars.v.get());
   clear_prescribed(bars.q.get());
@@ -318,9 +336,12 @@ void AdjointRun::add_to_parameters(const RecordedStage& stage, Vec internal) {
 void AdjointRun::go_back_to_start() {
   Bars bars = std::move(bars_of(0));
   bars_.clear();
-  if (simulation_->analysis() == Analysis::static_equilibrium) return;
   add_weights(0, bars);
+  check(VecGhostUpdateBegin(by_position_.get(), ADD_VALUES, SCATTER_REVERSE));
+  check(VecGhostUpdateEnd(by_position_.get(), ADD_VALUES, SCATTER_REVERSE));
+  if (simulation_->analysis() == Analysis::static_equilibrium) return;
   segments_.front().state.restore(*simulation_);
+  for (const auto& pair : pairs_) pair->add_completion(simulation_->record().q, owned_part(bars.z.get()));
   model_.potential().adjoint().pull_back_completion(simulation_->record().q, bars.z.get(), bars.q.get());
   for (const auto& pair : pairs_) pair->add_start(bars.q.get(), bars.v.get());
   for (const Vec x : {bars.q.get(), bars.v.get()}) clear_prescribed(x);

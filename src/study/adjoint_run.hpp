@@ -28,12 +28,7 @@ namespace pliant {
 /// (Griewank & Walther 2008, Evaluating Derivatives, chapter 12).
 class AdjointRun {
  public:
-  /// A parameter: the number's value, the input with another value of it, and whether it is one of every cell.
-  struct Parameter {
-    double value = 0.0;
-    std::function<Config(double)> make;
-    bool by_cell = false;
-  };
+  using Parameter = AdjointParameter;
 
   /// `weights`: the derivatives of J by columns of the history. `kept_steps`: how many steps are kept in memory; 0: as
   /// many as fit into 1 GiB on each rank. Throws InputError if the input has what has no adjoint, and for columns that
@@ -53,6 +48,8 @@ class AdjointRun {
   /// dJ by the initial displacement and velocity of the owned nodes, 0 where they are prescribed.
   Vec by_displacement() const { return by_displacement_.get(); }
   Vec by_velocity() const { return by_velocity_.get(); }
+  /// dJ by the places of the owned nodes in the mesh, as far as places of probes are what J depends on.
+  Vec by_position() const { return by_position_.get(); }
   std::int64_t num_steps() const { return simulation_->record().step; }
   /// Steps that were computed twice.
   std::int64_t num_repeated() const { return num_repeated_; }
@@ -73,6 +70,7 @@ class AdjointRun {
   void begin_segment();
   Bars& bars_of(std::int64_t step);
   void add_weights(std::int64_t step, Bars& bars);
+  void add_to_position(const ProbeLocation& probe, int component, double weight);
   void go_back_through(const RecordedStep& step);
   void go_back_through_load_step(const RecordedStep& step);
   void go_back_to_start();
@@ -100,7 +98,7 @@ class AdjointRun {
   std::optional<TransposedVariable> q_, v_, z_;
   Bars start_;  // dJ/dY_i0
   Handle<Vec> lambda_, rhs_, unknowns_, algebraic_q_, algebraic_q0_, unused_, seed_, owned_, owned_z_, zero_z_;
-  Handle<Vec> by_displacement_, by_velocity_;
+  Handle<Vec> by_displacement_, by_velocity_, by_position_;
   std::unique_ptr<OperatorSystem> whole_;
 };
 

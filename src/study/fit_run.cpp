@@ -160,7 +160,9 @@ class FitRuns {
   }
 
   std::vector<Curve> curves_of(const std::vector<double>& values) {
-    TangentRun run(mesh_, input_, values, sizes_);
+    std::vector<std::string> wanted;
+    for (const FitTarget& target : targets_) wanted.push_back(target.config.column);
+    TangentRun run(mesh_, input_, values, wanted, sizes_);
     std::vector<std::size_t> places;
     for (const FitTarget& target : targets_) places.push_back(place_of(target, run.columns()));
     double last = 0.0;  // up to which there are measurements

@@ -11,6 +11,7 @@
 #include "run/recorder.hpp"
 #include "study/adjoint_fields.hpp"
 #include "study/adjoint_run.hpp"
+#include "study/shape_gradient.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -96,12 +97,14 @@ class GradientStudy {
   void require_all_of_fields() const {
     for (std::size_t n = 0; n < fields_.num_parameters(); ++n) {
       if (run_->parameter(n).part_not_of_cells() <= accounted) continue;
-      throw InputError(
-          {numbers_.file(), 0, 0},
-          fmt::format("'{}' cannot have a derivative in each cell: not only the law of the body depends on "
-                      "it, but also what is derived from it, such as the stiffness of contact; give that a "
-                      "value of its own",
-                      fields_.key(n)));
+      const char* const why =
+          n < fields_.num_constants()
+              ? "in each cell: not only the law of the body depends on it, but also what is derived from it, such as "
+                "the stiffness of contact, a load that varies in space, or velocities that change at once where "
+                "constraints begin to move"
+              : "at each node: not only cells depend on places in the mesh, but also loads on surfaces, formulas of x, "
+                "y and z, contact, or velocities that change at once where constraints begin to move; leave them out";
+      throw InputError({numbers_.file(), 0, 0}, fmt::format("'{}' cannot have a derivative {}", fields_.key(n), why));
     }
   }
 
@@ -186,11 +189,12 @@ class GradientStudy {
       console_.print(fmt::format("  {:<{}}  {:>13.7g}  {:<8}  {:>16.9g}  {:>16.6g}", p.key, width, p.value,
                                  p.unit == "1" ? "" : p.unit, derivative(n), 0.01 * p.value * derivative(n)));
     }
-    for (std::size_t n = 0; n < fields_.num_parameters(); ++n) {
+    for (std::size_t n = 0; n < fields_.num_constants(); ++n) {
       const double relative = run_->parameter(n).derivative() * fields_.value_of_parameter(n);
       console_.print(fmt::format("  {:<{}}  {:>13}  {:<8}  {:>16}  {:>16.6g}", fields_.key(n), width, "of each cell",
                                  "", "", 0.01 * relative));
     }
+    if (fields_.by_nodes()) console_.print(fmt::format("  {:<{}}  {:>13}", key_of_nodes, width, "of each node"));
     if (run_->num_repeated() > 0) {
       console_.print(fmt::format("{} of {} steps were computed twice: not all fit into memory at once",
                                  run_->num_repeated(), run_->num_steps()));

@@ -49,7 +49,7 @@ class SensitivityStudy {
     on_root(comm, [&] { make_directory(input.given().output.directory); });
     {
       const Mesh mesh = mesh_of(comm, input);
-      run_.emplace(mesh, input, values);
+      run_.emplace(mesh, input, values, options.columns);
     }
     columns_ = find_columns(options.columns, run_->columns());
     for (SensitiveColumn& column : columns_) column.slopes.resize(numbers_.size());

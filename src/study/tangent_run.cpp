@@ -5,7 +5,10 @@
 #include "solver/merit.hpp"
 #include "study/neighbours.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,6 +16,8 @@
 namespace pliant {
 namespace {
 
+/// What is left of the right-hand side of linear systems.
+constexpr double part_that_is_left = 1e-9;
 /// Relative residual of linear systems whose products are differences.
 constexpr double relative_residual = 1e-6;
 /// They are solved again for what is left until it moves the solution by no more than this part of the first time.
@@ -29,14 +34,24 @@ void copy_extra_unknowns(const NodeLayout& layout, Vec from, Vec to) {
   for (std::size_t i = first; i < source.span().size(); ++i) target.span()[i] = source.span()[i];
 }
 
+/// Whether the columns are functions of places and velocities alone.
+bool are_of_probes(std::span<const std::string> columns, const Config& config) {
+  constexpr std::array suffixes{"_x", "_y", "_z", "_vx", "_vy", "_vz", "_ux", "_uy", "_uz"};
+  return std::ranges::all_of(columns, [&](const std::string& column) {
+    return std::ranges::any_of(config.probes, [&](const auto& probe) {
+      return std::ranges::any_of(suffixes, [&](const char* suffix) { return column == probe.name + suffix; });
+    });
+  });
+}
+
 }  // namespace
 
 /// The run of another value, with the solutions of the run in the middle.
 struct TangentRun::Neighbour {
-  Neighbour(const Mesh& mesh, Config given)
+  Neighbour(const Mesh& mesh, Config given, const NodeLayout& layout, Books books)
       : config(std::move(given)),
-        model(mesh, config),
-        simulation(config, model, Stages::solved_elsewhere),
+        model(mesh, config, layout),
+        simulation(config, model, Stages::solved_elsewhere, books),
         row(config, model, simulation.ledger()),
         unknowns(model.equation().make_vector()),
         residual(model.equation().make_vector()) {}
@@ -83,11 +98,13 @@ struct TangentRun::Pair {
 
   std::unique_ptr<Neighbour> below, above;
   double spacing = 0.0;
+  StageExtrapolation solutions;
+  Handle<Vec> residual, solution, change;
 };
 
 TangentRun::TangentRun(const Mesh& mesh, const VariedInput& input, std::span<const double> values,
-                       std::span<const double> sizes)
-    : config_(input.at(values)), model_(mesh, config_) {
+                       std::span<const std::string> wanted, std::span<const double> sizes)
+    : config_(input.at(values)), model_(mesh, config_), wanted_(wanted.begin(), wanted.end()) {
   if (config_.time.path) {
     throw InputError(config_.time.path->where,
                      "derivatives along a path are not defined where its load factor turns back; remove 'path'");
@@ -113,11 +130,14 @@ void TangentRun::add_pair(const Mesh& mesh, const VariedInput& input, std::span<
   if (value != 0.0) size = std::abs(value);
   if (size == 0.0) throw without_neighbours(input.file(), input.numbers()[n].key);
   std::vector<double> changed(values.begin(), values.end());
+  const Books books = are_of_probes(wanted_, config_) ? Books::none : Books::kept;
   auto [below, above, spacing] = neighbours_of(value, size, [&](double other) {
     changed[n] = other;
-    return std::make_unique<Neighbour>(mesh, input.at(changed));
+    return std::make_unique<Neighbour>(mesh, input.at(changed), model_.layout(), books);
   });
-  pairs_.push_back({std::move(below), std::move(above), spacing});
+  Pair pair{std::move(below), std::move(above), spacing, StageExtrapolation(r_.get()), {}, {}, {}};
+  for (Handle<Vec>* x : {&pair.residual, &pair.solution, &pair.change}) *x = model_.equation().make_vector();
+  pairs_.push_back(std::move(pair));
 }
 
 void TangentRun::advance() {
@@ -133,7 +153,7 @@ void TangentRun::begin_step(const Step& step) {
   }
 }
 
-void TangentRun::end_stage(NewtonSolver& solver, const StagePoint& /*stage*/, Vec q) {
+void TangentRun::end_stage(NewtonSolver& solver, const StagePoint& stage, Vec q) {
   const Vec solution = solver.unknowns();
   StageEquation& equation = solver.equation();
   const bool coefficients_follow = equation.refreeze(solution);
@@ -151,10 +171,39 @@ void TangentRun::end_stage(NewtonSolver& solver, const StagePoint& /*stage*/, Ve
   const double floor = equation.rounding_floor(solution);
   for (Pair& pair : pairs_) {
     for (Neighbour* run : {pair.below.get(), pair.above.get()}) run->start_stage(q, solution);
-    require(solve(pair, system, {coefficients_follow, is_whole, floor}));
+    if (!is_whole) require(solve(pair, system, {coefficients_follow, floor}));
+  }
+  // Time stands still in static problems.
+  if (is_whole) require(solve(system, stage.time + stage.load_factor, floor));
+  system.end();
+  for (Pair& pair : pairs_) {
     for (Neighbour* run : {pair.below.get(), pair.above.get()}) run->end_stage();
   }
-  system.end();
+}
+
+bool TangentRun::solve(TangentSystem& system, double place, double floor) {
+  std::vector<Vec> residuals, guesses, changes;
+  std::vector<Pair*> open;
+  for (Pair& pair : pairs_) {
+    const Vec guess = pair.solution.get(), r = pair.residual.get();
+    const bool has_guess = pair.solutions.guess(place, guess);
+    if (has_guess) pair.move(guess);
+    pair.measure(false, r);
+    const double size = norm(r);
+    if (!std::isfinite(size)) return false;
+    if (size <= floor) continue;
+    residuals.push_back(r);
+    guesses.push_back(has_guess ? guess : nullptr);
+    changes.push_back(pair.change.get());
+    open.push_back(&pair);
+  }
+  if (!system.solve(residuals, guesses, changes, part_that_is_left)) return false;
+  for (Pair* pair : open) {
+    pair->move(pair->change.get());
+    check(VecAXPY(pair->solution.get(), 1.0, pair->change.get()));
+  }
+  for (Pair& pair : pairs_) pair.solutions.take(place, pair.solution.get());
+  return true;
 }
 
 bool TangentRun::solve(Pair& pair, TangentSystem& system, const StageTangent& stage) {
@@ -168,7 +217,7 @@ bool TangentRun::solve(Pair& pair, TangentSystem& system, const StageTangent& st
     if (norm(change_.get()) == 0.0) return true;
     // Without what the matrix leaves out the change may be far too large.
     if (round <= 1) size = round == 0 ? cautious * norm(change_.get()) : first;
-    const bool needs_more = !stage.is_whole && !is_rounding;
+    const bool needs_more = !is_rounding;
     if (needs_more && !solve_for_whole(pair, stage.coefficients_follow, system, size)) return false;
     pair.move(change_.get());
     last = norm(change_.get());
@@ -206,7 +255,10 @@ void TangentRun::measure() {
   for (std::size_t n = 0; n < pairs_.size(); ++n) {
     const std::vector<double> below = pairs_[n].below->values(), above = pairs_[n].above->values();
     slopes_[n].resize(values_.size());
-    for (std::size_t c = 0; c < values_.size(); ++c) slopes_[n][c] = (above[c] - below[c]) / pairs_[n].spacing;
+    for (std::size_t c = 0; c < values_.size(); ++c) {
+      const bool is_wanted = std::ranges::find(wanted_, columns()[c]) != wanted_.end();
+      slopes_[n][c] = is_wanted ? (above[c] - below[c]) / pairs_[n].spacing : std::numeric_limits<double>::quiet_NaN();
+    }
   }
 }
 

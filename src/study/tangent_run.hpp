@@ -5,6 +5,7 @@
 #include "run/history_row.hpp"
 #include "run/simulation.hpp"
 #include "solver/operator_system.hpp"
+#include "study/stage_extrapolation.hpp"
 #include "study/varied_input.hpp"
 
 #include <memory>
@@ -34,9 +35,10 @@ class TangentRun final : private StageFollower {
  public:
   /// The run of `input` with these values of its numbers, on the mesh of the input, which is not needed afterwards.
   /// `sizes`: of each number, of which a small part is a small change if its value is 0; may be empty. Throws
-  /// InputError where neither larger nor smaller values are taken. Collective.
+  /// InputError where neither larger nor smaller values are taken. `wanted`: columns whose derivatives are wanted.
+  /// Collective.
   TangentRun(const Mesh& mesh, const VariedInput& input, std::span<const double> values,
-             std::span<const double> sizes = {});
+             std::span<const std::string> wanted, std::span<const double> sizes = {});
   ~TangentRun() override;
 
   const Config& config() const { return config_; }
@@ -48,7 +50,8 @@ class TangentRun final : private StageFollower {
   void advance();
 
   double time() const { return simulation_->record().time; }
-  /// The row of the last completed step, or of the start, and its derivative by the n-th number.
+  /// The row of the last completed step, or of the start, and its derivative by the n-th number, NaN where it is not
+  /// wanted.
   const std::vector<double>& values() const { return values_; }
   const std::vector<double>& slopes(std::size_t n) const { return slopes_[n]; }
 
@@ -64,10 +67,11 @@ class TangentRun final : private StageFollower {
   /// What the equation of a stage is at its solution.
   struct StageTangent {
     bool coefficients_follow;  ///< its solution (StageEquation::refreeze)
-    bool is_whole;             ///< its Hessian is the derivative of all forces
     double floor;              ///< rounding errors of its residual [N]
   };
-  /// Moves the unknowns of the pair to the solutions of their stages; false if there are none.
+  /// Moves the unknowns of all pairs to the solutions of their stages, at this place in time; false if there are none.
+  bool solve(TangentSystem& system, double place, double floor);
+  /// The same for a pair, where the Hessian may leave out a part of the derivative.
   bool solve(Pair& pair, TangentSystem& system, const StageTangent& stage);
   /// Solves with the derivative of all forces, by differences along changes of this size.
   bool solve_for_whole(Pair& pair, bool coefficients_follow, TangentSystem& system, double size);
@@ -76,6 +80,7 @@ class TangentRun final : private StageFollower {
   Model model_;
   std::optional<Simulation> simulation_;
   std::optional<HistoryRow> row_;
+  std::vector<std::string> wanted_;
   std::vector<Pair> pairs_;
   std::vector<double> values_;
   std::vector<std::vector<double>> slopes_;

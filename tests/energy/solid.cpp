@@ -70,9 +70,11 @@ std::unique_ptr<EnergyTerm> Solid::prony(const std::vector<Prony>& branches, con
 std::unique_ptr<MassDamping> Solid::mass_damping(double density, Mass mass) const {
   if (layout().order == 1) {
     return std::make_unique<MassDamping>(
-        make_mass_matrix<1>(layout(), pattern(), std::get<0>(groups_), {density}, mass));
+        make_mass_matrix<1>(layout(), pattern(), std::get<0>(groups_), {density}, mass),
+        make_cell_mass_products<1>(layout(), std::get<0>(groups_), {density}, mass));
   }
-  return std::make_unique<MassDamping>(make_mass_matrix<2>(layout(), pattern(), std::get<1>(groups_), {density}, mass));
+  return std::make_unique<MassDamping>(make_mass_matrix<2>(layout(), pattern(), std::get<1>(groups_), {density}, mass),
+                                       make_cell_mass_products<2>(layout(), std::get<1>(groups_), {density}, mass));
 }
 
 std::shared_ptr<const Activation> Solid::activation(const Expression& amount, FibreField::Kind kind) const {

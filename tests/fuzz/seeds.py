@@ -86,6 +86,36 @@ time: {{method: {{A: [[1/4, 0], [1/2, 1/4]], b: [1/2, 1/2], name: own}}, step: 0
 """,
 }
 
+FITS = {
+    "material": """title: rubber
+material: {model: ogden, terms: 2, incompressible: true, alpha1: 1.3, volumetric: log}
+residual: relative
+bounds: {mu1: [0, 1 MPa], alpha2: [-5, 5]}
+initial: {mu1: 0.3 MPa}
+tests:
+  - {kind: uniaxial, data: a.csv, weight: 2}
+  - {kind: pure-shear, data: b.csv}
+starts: 20
+""",
+    "viscous": """material: {model: neo-hookean, poissons_ratio: 0.45}
+viscosity: {model: prony, relaxation_times: [1 ms, 0.1 s]}
+tests:
+  - {kind: relaxation, data: held.csv, stretch: 1.5, rate: 0.5 Hz}
+  - {kind: relaxation, data: sheared.csv, loading: simple-shear, shear: 0.3}
+  - {kind: dma, data: sweep.csv, loading: simple-shear}
+  - {kind: volumetric, data: pressed.csv}
+""",
+    "motion": """input: beam.yaml
+parameters:
+  bodies.0.elasticity.youngs_modulus: [0.1 MPa, 10 MPa]
+  contact.friction: [0, 1]
+targets:
+  - {column: tip_z, data: tip.csv, scale: 1 mm}
+  - {column: clamp_fx, data: force.csv, weight: 0.5}
+starts: 3
+""",
+}
+
 
 def small(brick):
     """Eight corners and six cells of it."""
@@ -172,10 +202,12 @@ def write_result(path):
 
 
 def main():
-    for name in ("input", "msh", "mesh_file", "surface", "triangles", "result", "checkpoint"):
+    for name in ("input", "fit", "msh", "mesh_file", "surface", "triangles", "result", "checkpoint"):
         (CORPUS / name).mkdir(parents=True, exist_ok=True)
     for name, text in INPUTS.items():
         (CORPUS / "input" / f"{name}.yaml").write_text(text)
+    for name, text in FITS.items():
+        (CORPUS / "fit" / f"{name}.yaml").write_text(text)
     for name, content in {"text2": small(Brick()).msh2() + element_data(small(Brick())).encode(), "text4": small(Brick()).msh4(),
                           "bytes2": small(Brick()).msh2(binary=True), "bytes4": small(Brick()).msh4(binary=True, order=">")}.items():
         (CORPUS / "msh" / f"{name}.msh").write_bytes(content)

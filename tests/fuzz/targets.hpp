@@ -16,6 +16,8 @@ struct Target {
 
 /// The input file; one that is taken is written as `run.yaml` and must read back as the same.
 void read_as_input(std::string_view bytes);
+/// The file of a fit, of a material or of an input.
+void read_as_fit(std::string_view bytes);
 /// A gmsh mesh with all that follows until it lies in PETSc.
 void read_as_msh(std::string_view bytes);
 /// Likewise meshes of other programs.

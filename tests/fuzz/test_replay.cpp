@@ -85,7 +85,7 @@ TEST_P(Reader, TakesOrRefusesWhatIsDamaged) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, Reader,
-    ::testing::Values(Target{"input", read_as_input}, Target{"msh", read_as_msh},
+    ::testing::Values(Target{"input", read_as_input}, Target{"fit", read_as_fit}, Target{"msh", read_as_msh},
                       Target{"abaqus", read_as_abaqus, /*rounds=*/200},
                       Target{"nastran", read_as_nastran, /*rounds=*/200},
                       Target{"medit", read_as_medit, /*rounds=*/200}, Target{"unv", read_as_unv, /*rounds=*/200},

@@ -9,7 +9,7 @@ import unittest
 import h5py
 import numpy as np
 
-from program import ENVIRONMENT, PROGRAM, ROOT, ProgramTest, write_box
+from program import ENVIRONMENT, PROGRAM, ROOT, ProgramTest, box, swept, write_box, write_mesh
 
 sys.path.insert(0, str(ROOT / "src/python"))
 os.environ.update(ENVIRONMENT, PLIANT=str(PROGRAM))
@@ -39,6 +39,19 @@ bodies:
 initial: {{velocity: ["-(y - 0.5) + z + 0.4*x", "(x - 0.5) - 0.3*y*z", "-x + 0.5*z"]}}
 time: {{method: {method}, step: 0.02, end: 0.16}}
 probes: [{{name: corner, point: [2, 1, 1]}}, {{name: middle, point: [0.9, 0.45, 0.4]}}]
+solver: {{newton: {{relative: 1.0e-13}}}}
+"""
+SHAPE = """mesh: {{file: shape.msh}}
+element: {element}
+volumetric: {volumetric}
+mass: {mass}
+bodies:
+  - {{volume: most, density: 1, elasticity: &law {{model: neo-hookean, youngs_modulus: 10, poissons_ratio: 0.3}}, viscosity: &more [{viscosity}]}}
+  - {{volume: one, density: 2, elasticity: *law, viscosity: *more}}
+constraints: [{{surface: left, displacement: [0, 0, "0.1*(1 - cos(3*t))"]}}]
+loads: [{{gravity: [1, 0.5, "-3*cos(t)"]}}, {{force_density: [0, 0.4, 0]}}]
+time: {{method: {method}, step: 0.02, end: 0.16}}
+probes: [{{name: corner, point: [2, 1, 1]}}]
 solver: {{newton: {{relative: 1.0e-13}}}}
 """
 HELD = """constraints: [{surface: left, displacement: [0, 0, "0.1*sin(3*t)"]}]
@@ -160,6 +173,54 @@ loads: [{gravity: [0, 0, -3]}]"""
         by_velocity = sum(float(row["derivative(initial.velocity)_z"]) * float(row["x"]) * float(row["y"]) for row in nodes)
         self.assertLessEqual(abs(by_velocity - (ends[1] - ends[0]) / 2e-3), 1e-6 * abs(by_velocity))
 
+    def write_shape(self, points, triangles, cells):
+        """A mesh whose fifth cell is a body of its own."""
+        write_mesh(self.directory / "shape.msh", points, triangles, cells, (["most", "one"], (np.arange(len(cells)) == 4).astype(int)))
+
+    def test_density_and_shape(self):
+        """The density of each cell and the place of each node, with the methods and viscosities, on any number of ranks."""
+        columns = ("corner_x", "corner_z", "corner_vy")
+        points, triangles, cells = box((2, 1, 1), (2, 1, 1))
+        random = np.random.default_rng(8)
+        points = points + 0.05 * random.standard_normal(points.shape) * (points[:, :1] > 0) * (points != [2, 1, 1]).any(axis=1)[:, None]
+        move = random.standard_normal(points.shape)
+        kinds = {"P1": ("P1", "standard", "consistent"), "P2": ("P2", "standard", "lumped"), "mean": ("P2", "mean-dilatation", "consistent")}
+        cases = [(method, "P1") for method in CASES] + [("bdf2", "P2"), ("dirk22", "mean")]
+        for method, kind in swept(cases, [("backward-euler", "P1"), ("dirk22", "mean"), ("symplectic-dirk22", "P1"), ("bdf2", "P2")]):
+            with self.subTest(method=method, kind=kind):
+                element, volumetric, mass = kinds[kind]
+                self.write("shape.yaml", SHAPE.format(method=method, viscosity=CASES[method][0], element=element, volumetric=volumetric, mass=mass))
+                self.write_shape(points, triangles, cells)
+                h = self.run_input("shape.yaml")
+                weights = self.weigh(h["time"], columns)
+                fields = ("bodies.0.density", "bodies.1.density", "mesh.nodes")
+                numbers = self.adjoint("shape.yaml", fields[:2], fields)
+                table, nodes = self.table("gradient_cells.csv"), self.table("gradient_nodes.csv")
+                for key in fields[:2]:
+                    slopes = np.array([float(row[f"derivative({key})"]) for row in table])
+                    self.assertAlmostEqual(slopes.sum() / numbers[key], 1, delta=1e-6)
+                self.assertEqual(np.flatnonzero(slopes).size, 1)
+                ends = []
+                for factor in (-2, -1, 1, 2):
+                    self.write_shape(points + 1e-3 * factor * move, triangles, cells)
+                    # The probe stays at the corner, which moves.
+                    place = ", ".join(map(repr, ([2, 1, 1] + 1e-3 * factor * move[-1]).tolist()))
+                    h = self.run_input("shape.yaml", f"probes.0.point=[{place}]")
+                    ends.append((weights * np.stack([h[c] for c in columns], axis=1)).sum())
+                expected = (ends[0] - 8 * ends[1] + 8 * ends[2] - ends[3]) / 12e-3
+                by_vertex = {int(row["vertex"]): [float(row[f"derivative(mesh.nodes)_{a}"]) for a in "xyz"] for row in nodes if int(row["vertex"]) >= 0}
+                parts = np.array([by_vertex[n] for n in range(len(points))]) * move
+                self.assertLessEqual(abs(parts.sum() - expected), 1e-7 * np.abs(parts).sum())
+        self.write_shape(points, triangles, cells)
+        self.adjoint("shape.yaml", (), fields)
+        expected = [self.table(name) for name in ("gradient_cells.csv", "gradient_nodes.csv")]
+        for ranks in (2, 3):
+            self.adjoint("shape.yaml", (), fields, ranks=ranks)
+            for name, rows in zip(("gradient_cells.csv", "gradient_nodes.csv"), expected):
+                for column in rows[0]:
+                    a, b = (np.array([float(row[column]) for row in t]) for t in (self.table(name), rows))
+                    np.testing.assert_allclose(a, b, rtol=0, atol=1e-8 * np.nanmax(np.abs(b)), err_msg=f"{column} on {ranks} ranks")
+
     def test_from_python(self):
         file = self.block("bdf2", CASES["bdf2"][0], more=HELD)
         run = pliant.run(file, output=self.directory / "out")
@@ -169,6 +230,13 @@ loads: [{gravity: [0, 0, -3]}]"""
         s = pliant.sensitivity(file, of=["corner_z"], to=["bodies.0.density", YOUNG], output=self.directory / "tangent")
         for n, key in enumerate(("bodies.0.density", YOUNG)):
             self.assertAlmostEqual(gradient.numbers[key] / (weights["corner_z"] @ s.jacobians["corner_z"][:, n]), 1, delta=1e-7)
+        rigid = {"loads": [{"gravity": [0, 0, -1]}], "constraints": [{"surface": "left", "displacement": [0, 0, 0]}], "initial.velocity": [0, 0.3, 0]}
+        shape = pliant.gradient(file, {"time": run.history.time, **weights}, fields=["mesh.nodes", "bodies.0.density"],
+                                overrides=rigid, output=self.directory / "shape")
+        # A body that is moved with its support moves as before; its probe is elsewhere by as much.
+        self.assertEqual(shape.fields["mesh.nodes"].shape, shape.points.shape)
+        np.testing.assert_allclose(shape.fields["mesh.nodes"].sum(axis=0), [0, 0, weights["corner_z"].sum()], rtol=0,
+                                   atol=1e-8 * np.abs(shape.fields["mesh.nodes"]).max())
         self.assertEqual(gradient.values, {"bodies.0.density": 1, YOUNG: 10})
         # All cells together are the number; what is held at the start does not move.
         self.assertAlmostEqual(gradient.fields[YOUNG].sum() / gradient.numbers[YOUNG], 1, delta=1e-7)
@@ -209,7 +277,9 @@ loads: [{gravity: [0, 0, -3]}]"""
                 ("--adjoint none.csv: cannot read it; give the path of a CSV file", "", ("--adjoint", "none.csv", "--to", YOUNG), ()),
                 ("either --of COLUMN,... or --adjoint", "", ("--to", YOUNG), ()),
                 ("--to KEY,... or --fields KEY,... is needed", "", ("--adjoint", "weights.csv"), ()),
-                ("'bodies.0.density' has no value in each cell", "", ("--adjoint", "weights.csv", "--fields", "bodies.0.density"), ()),
+                ("'loads.0.gravity' has no value in each cell", "", ("--adjoint", "weights.csv", "--fields", "loads.0.gravity"), ()),
+                ("'mesh.nodes' cannot have a derivative at each node: not only cells", "time,corner_x\n0.04,1\n",
+                 ("--adjoint", "weights.csv", "--fields", "mesh.nodes"), ()),
                 ("has no constant 'c10'", "", ("--adjoint", "weights.csv", "--fields", "bodies.0.elasticity.c10"), ()),
                 ("is named twice", "", ("--adjoint", "weights.csv", "--fields", f"{YOUNG},{YOUNG}"), ()),
                 ("what has no adjoint: friction", "", to, ("contact.friction=0.3",)),

@@ -74,10 +74,15 @@ class Sampler {
 template <int Order>
 LoadSamples cell_samples_of(const NodeLayout& layout, const std::vector<double>& factor_of_cell, Variation variation) {
   Sampler<3, Order> sampler(layout, variation);
+  std::vector<PetscInt> cells;
   for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
-    if (factor_of_cell[c] != 0.0) sampler.add(layout.nodes_of_cell(c), factor_of_cell[c]);
+    if (factor_of_cell[c] == 0.0) continue;
+    sampler.add(layout.nodes_of_cell(c), factor_of_cell[c]);
+    cells.push_back(c);
   }
-  return sampler.take();
+  LoadSamples samples = sampler.take();
+  samples.cells = std::move(cells);
+  return samples;
 }
 
 /// The position derivatives dX/dxi_k of a cell.
@@ -120,6 +125,7 @@ LoadSamples lumped_samples_of(const NodeLayout& layout, const std::vector<double
       }
     }
     samples.nodes.insert(samples.nodes.end(), nodes.begin(), nodes.end());
+    samples.cells.push_back(c);
     for (int a = 0; a < n; ++a) {
       samples.points.push_back(layout.position(nodes[a]));
       samples.weights.push_back(factor_of_cell[c] * volume * squares[a] / sum_of_squares);
@@ -160,7 +166,7 @@ LoadSamples edge_samples(const NodeLayout& layout, const EdgeList& edges, Variat
 }
 
 LoadSamples node_samples(const NodeLayout& layout, const std::vector<PetscInt>& nodes) {
-  LoadSamples samples{1, 1, nodes, {{1.0}}, {}, std::vector<double>(nodes.size(), 1.0)};
+  LoadSamples samples{1, 1, nodes, {}, {{1.0}}, {}, std::vector<double>(nodes.size(), 1.0)};
   for (const PetscInt node : nodes) samples.points.push_back(layout.position(node));
   return samples;
 }
@@ -187,14 +193,20 @@ DeadLoad::DeadLoad(const NodeLayout& layout, LoadSamples samples, std::array<Exp
       samples_(std::move(samples)) {
   if (variation_of(value_) == Variation::uniform) {
     nodal_weights_.assign(layout.num_local_nodes, 0.0);
+    if (!samples_.cells.empty()) cell_weights_.assign(samples_.nodes.size(), 0.0);
     for (std::size_t p = 0; p < samples_.weights.size(); ++p) {
       const std::size_t item = p / samples_.points_per_item, q = p % samples_.points_per_item;
       for (int a = 0; a < samples_.nodes_per_item; ++a) {
-        nodal_weights_[samples_.nodes[item * samples_.nodes_per_item + a]] +=
-            samples_.weights[p] * samples_.shapes[q][a];
+        const std::size_t place = item * samples_.nodes_per_item + a;
+        const double weight = samples_.weights[p] * samples_.shapes[q][a];
+        nodal_weights_[samples_.nodes[place]] += weight;
+        if (!cell_weights_.empty()) cell_weights_[place] += weight;
       }
     }
-    samples_ = {};
+    LoadSamples of_cells;
+    if (!cell_weights_.empty()) of_cells.nodes = std::move(samples_.nodes);
+    of_cells.cells = std::move(samples_.cells);
+    samples_ = std::move(of_cells);
   } else if (!depends_on_time() && std::ranges::none_of(value_, &Expression::is_replaceable)) {
     constant_ = sampled(0.0);
     samples_ = {};
@@ -259,6 +271,19 @@ double DeadLoad::energy(std::span<const double> q, std::span<const double> /*z*/
   CompensatedSum<double> total;
   if (!depends_on_time()) for_each_force(0.0, [&](PetscInt i, double force) { total.add(-force * q[i]); });
   return total.total();
+}
+
+void DeadLoad::add_cell_works(const LocalStage& stage, std::span<const double> /*q*/, std::span<const double> d,
+                              std::span<double> works) const {
+  if (cell_weights_.empty()) return;
+  std::array<double, 3> density{};
+  for (std::size_t i = 0; i < 3; ++i) density[i] = stage.load_factor * value_[i](0.0, 0.0, 0.0, stage.time);
+  const std::size_t n = samples_.nodes.size() / samples_.cells.size();
+  for (std::size_t k = 0; k < samples_.nodes.size(); ++k) {
+    const double* const at = d.data() + 3 * static_cast<std::size_t>(samples_.nodes[k]);
+    const double along = density[0] * at[0] + density[1] * at[1] + density[2] * at[2];
+    works[static_cast<std::size_t>(samples_.cells[k / n])] -= cell_weights_[k] * along;
+  }
 }
 
 void DeadLoad::add_gradient(const LocalStage& stage, std::span<const double>, std::span<double> r) const {

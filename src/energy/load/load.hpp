@@ -17,6 +17,7 @@ struct LoadSamples {
   int nodes_per_item = 0;
   int points_per_item = 0;
   std::vector<PetscInt> nodes;                ///< local nodes per item (cell, facet, edge or node)
+  std::vector<PetscInt> cells;                ///< the local cell of each item; empty for other items
   std::vector<std::vector<double>> shapes;    ///< N_a at the points of an item
   std::vector<std::array<double, 3>> points;  ///< reference positions, points_per_item per item [m]
   std::vector<double> weights;                ///< likewise: measure [m, m^2 or m^3], times the factor of the item
@@ -59,6 +60,9 @@ class DeadLoad final : public EnergyTerm {
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;
   void add_hessian(const LocalStage&, std::span<const double>, const BlockWriter&, Projection) const override {}
 
+  /// Works of a load on cells that is uniform in space; other loads add nothing.
+  void add_cell_works(const LocalStage& stage, std::span<const double> q, std::span<const double> d,
+                      std::span<double> works) const override;
   /// -int f . u of a load that does not depend on time; 0 for others.
   double energy(std::span<const double> q, std::span<const double> z) const override;
 
@@ -79,6 +83,7 @@ class DeadLoad final : public EnergyTerm {
   std::array<Expression, 3> value_;
   LoadSamples samples_;                // kept only if the load varies in space, and in time or by replacement
   std::vector<double> nodal_weights_;  // if it is uniform in space
+  std::vector<double> cell_weights_;   // likewise, of the nodes of each cell; samples_ has its nodes and number
   std::vector<double> constant_;       // if it varies in space alone
 };
 

@@ -12,11 +12,20 @@ double Inertia::value(const LocalStage& stage, std::span<const double> q) const 
   return 0.5 * mass_.product(d, x) / (stage.dt * stage.dt);
 }
 
-void Inertia::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
+std::vector<double> Inertia::acceleration(const LocalStage& stage, std::span<const double> q) {
   const double factor = 1.0 / (stage.dt * stage.dt);
   std::vector<double> a(q.size());
   for (std::size_t i = 0; i < a.size(); ++i) a[i] = factor * ((q[i] - stage.q0[i]) - stage.dt * stage.v0[i]);
-  mass_.add_times(a, r);
+  return a;
+}
+
+void Inertia::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
+  mass_.add_times(acceleration(stage, q), r);
+}
+
+void Inertia::add_cell_works(const LocalStage& stage, std::span<const double> q, std::span<const double> d,
+                             std::span<double> works) const {
+  of_cells_(d, acceleration(stage, q), works);
 }
 
 void Inertia::add_hessian(const LocalStage& stage, std::span<const double>, const BlockWriter& K, Projection) const {
@@ -59,7 +68,8 @@ template <int Order>
 std::unique_ptr<Inertia> make_inertia(const NodeLayout& layout, const BlockPattern& pattern,
                                       const CellGroups<Order>& groups, const std::vector<double>& densities,
                                       Mass mass) {
-  return std::make_unique<Inertia>(layout, make_mass_matrix(layout, pattern, groups, densities, mass));
+  return std::make_unique<Inertia>(layout, make_mass_matrix(layout, pattern, groups, densities, mass),
+                                   make_cell_mass_products(layout, groups, densities, mass));
 }
 
 template std::unique_ptr<Inertia> make_inertia<1>(const NodeLayout&, const BlockPattern&, const CellGroups<1>&,

@@ -18,8 +18,9 @@ struct Momenta {
 
 class Inertia final : public EnergyTerm {
  public:
-  Inertia(const NodeLayout& layout, MassMatrix mass)
-      : num_owned_nodes_(layout.num_owned_nodes), mass_(std::move(mass)) {}
+  /// `of_cells`: the part of the mass that cells have.
+  Inertia(const NodeLayout& layout, MassMatrix mass, CellMassProducts of_cells)
+      : num_owned_nodes_(layout.num_owned_nodes), mass_(std::move(mass)), of_cells_(std::move(of_cells)) {}
 
   std::string_view name() const override { return "inertia"; }
   TermDeclaration declaration() const override { return {.account = Account::kinetic}; }
@@ -32,6 +33,9 @@ class Inertia final : public EnergyTerm {
   void pull_back(const LocalStage& stage, std::span<const double> q, const StageMultipliers& m,
                  const StageSlopes& slopes) const override;
 
+  void add_cell_works(const LocalStage& stage, std::span<const double> q, std::span<const double> d,
+                      std::span<double> works) const override;
+
   const MassMatrix& mass() const { return mass_; }
   /// 1/2 v . M v of the owned nodes [J].
   double kinetic_energy(std::span<const double> v) const { return 0.5 * mass_.product(v, v); }
@@ -39,8 +43,11 @@ class Inertia final : public EnergyTerm {
   Momenta momenta(std::span<const double> X, std::span<const double> q, std::span<const double> v) const;
 
  private:
+  static std::vector<double> acceleration(const LocalStage& stage, std::span<const double> q);
+
   PetscInt num_owned_nodes_;
   MassMatrix mass_;
+  CellMassProducts of_cells_;
 };
 
 /// `densities`: per body [kg/m^3]. `pattern` must outlive the term.

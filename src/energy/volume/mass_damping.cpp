@@ -31,6 +31,11 @@ void MassDamping::pull_back(const LocalStage& stage, std::span<const double> /*q
   matrix_.add_times(d, slopes.q0);
 }
 
+void MassDamping::add_cell_works(const LocalStage& stage, std::span<const double> q, std::span<const double> d,
+                                 std::span<double> works) const {
+  of_cells_(d, velocity(stage, q), works);
+}
+
 double MassDamping::dissipation(const LocalStage& stage, std::span<const double> q) const {
   const std::vector<double> v = velocity(stage, q);
   return matrix_.product(v, v);

@@ -16,8 +16,9 @@ namespace pliant {
 
 class MassDamping final : public EnergyTerm {
  public:
-  /// `matrix`: B, the mass matrix of the densities alpha rho [kg/s].
-  explicit MassDamping(MassMatrix matrix) : matrix_(std::move(matrix)) {}
+  /// `matrix`: B, the mass matrix of the densities alpha rho [kg/s]; `of_cells`: its parts.
+  MassDamping(MassMatrix matrix, CellMassProducts of_cells)
+      : matrix_(std::move(matrix)), of_cells_(std::move(of_cells)) {}
 
   std::string_view name() const override { return MassProportional::name; }
   TermDeclaration declaration() const override { return {.dissipates = true}; }
@@ -28,10 +29,13 @@ class MassDamping final : public EnergyTerm {
   bool has_adjoint() const override { return true; }
   void pull_back(const LocalStage& stage, std::span<const double> q, const StageMultipliers& m,
                  const StageSlopes& slopes) const override;
+  void add_cell_works(const LocalStage& stage, std::span<const double> q, std::span<const double> d,
+                      std::span<double> works) const override;
   double dissipation(const LocalStage& stage, std::span<const double> q) const override;
 
  private:
   MassMatrix matrix_;
+  CellMassProducts of_cells_;
 };
 
 }  // namespace pliant

@@ -229,6 +229,35 @@ MassMatrix make_mass_matrix(const NodeLayout& layout, const BlockPattern& patter
 }
 
 template <int Order>
+CellMassProducts make_cell_mass_products(const NodeLayout& layout, const CellGroups<Order>& groups,
+                                         std::vector<double> densities, Mass mass) {
+  constexpr int n = CellGroup<Order>::num_nodes;
+  return [&layout, &groups, densities = std::move(densities), mass](
+             std::span<const double> x, std::span<const double> y, std::span<double> works) {
+    for (const auto& group : groups) {
+      const CellMasses<Order> masses(layout, group);
+      for (std::size_t b = 0; b < group.batches.size(); ++b) {
+        const auto& batch = group.batches[b];
+        const auto of_x = gather<Order>(batch, x.data()), of_y = gather<Order>(batch, y.data());
+        Pack work = 0.0;
+        for (int a = 0; a < n; ++a) {
+          for (int c = 0; c < n; ++c) {
+            if (mass == Mass::lumped && c != a) continue;
+            const Pack m =
+                mass == Mass::lumped ? lumped_share(masses, b, a) : masses(b, CellMasses<Order>::index(a, c));
+            work += m * (of_x[a][0] * of_y[c][0] + of_x[a][1] * of_y[c][1] + of_x[a][2] * of_y[c][2]);
+          }
+        }
+        work *= densities[static_cast<std::size_t>(group.body)];
+        for (int lane = 0; lane < batch.num_lanes; ++lane) {
+          works[static_cast<std::size_t>(group.cells[b * pack_size + static_cast<std::size_t>(lane)])] += work[lane];
+        }
+      }
+    }
+  };
+}
+
+template <int Order>
 std::vector<double> nodal_masses(const NodeLayout& layout, const CellGroups<Order>& groups,
                                  const std::vector<double>& densities) {
   return distributed_mass(layout, groups, densities, row_sum<Order>);
@@ -238,6 +267,10 @@ template MassMatrix make_mass_matrix<1>(const NodeLayout&, const BlockPattern&, 
                                         const std::vector<double>&, Mass);
 template MassMatrix make_mass_matrix<2>(const NodeLayout&, const BlockPattern&, const CellGroups<2>&,
                                         const std::vector<double>&, Mass);
+template CellMassProducts make_cell_mass_products<1>(const NodeLayout&, const CellGroups<1>&, std::vector<double>,
+                                                     Mass);
+template CellMassProducts make_cell_mass_products<2>(const NodeLayout&, const CellGroups<2>&, std::vector<double>,
+                                                     Mass);
 template std::vector<double> nodal_masses<1>(const NodeLayout&, const CellGroups<1>&, const std::vector<double>&);
 template std::vector<double> nodal_masses<2>(const NodeLayout&, const CellGroups<2>&, const std::vector<double>&);
 

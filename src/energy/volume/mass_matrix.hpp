@@ -5,6 +5,7 @@
 #include "fem/cells.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -53,6 +54,15 @@ class MassMatrix {
 template <int Order>
 MassMatrix make_mass_matrix(const NodeLayout& layout, const BlockPattern& pattern, const CellGroups<Order>& groups,
                             const std::vector<double>& densities, Mass mass);
+
+/// works[c] += x . M_c y of each local cell c, with the mass matrix M_c of the cell alone [x unit * y unit * kg]. The
+/// arrays span all local nodes. Not collective.
+using CellMassProducts =
+    std::function<void(std::span<const double> x, std::span<const double> y, std::span<double> works)>;
+/// Products with the masses that make_mass_matrix sums. `layout` and `groups` outlive the result.
+template <int Order>
+CellMassProducts make_cell_mass_products(const NodeLayout& layout, const CellGroups<Order>& groups,
+                                         std::vector<double> densities, Mass mass);
 
 /// int density N_a dX per owned node [kg], 0 in ghost places. Not collective.
 template <int Order>

@@ -128,8 +128,8 @@ def gradient(source: Path, weights: "Mapping[str, Any]", *, to: Sequence[str] = 
 
     `weights`: (n,) arrays, "time" [s] of steps, and dJ/d(column) at these times by column: positions and velocities of probes.
     `to`: numbers of the input, named as in `overrides`. `fields`: constants of which each cell has a value
-    (bodies.0.elasticity.youngs_modulus), and initial.velocity and initial.displacement of each node. `kept_steps`: how many steps
-    are kept in memory; the others are computed twice.
+    (bodies.0.elasticity.youngs_modulus, bodies.0.density), and mesh.nodes, initial.velocity and initial.displacement of each node.
+    `kept_steps`: how many steps are kept in memory; the others are computed twice.
 
         g = pliant.gradient("beam.yaml", {"time": h.time, "tip_z": 2 * (h["tip_z"] - measured)}, to=["bodies.0.density"])
         g.numbers["bodies.0.density"]
@@ -155,7 +155,7 @@ def gradient(source: Path, weights: "Mapping[str, Any]", *, to: Sequence[str] = 
     if to:
         with open(os.path.join(directory, "gradient.csv"), encoding="utf-8", newline="") as stream:
             numbers = list(csv.DictReader(stream))
-    of_nodes = [key for key in fields if key.startswith("initial.")]
+    of_nodes = [key for key in fields if key.startswith("initial.") or key == "mesh.nodes"]
     of_cells = [key for key in fields if key not in of_nodes]
     cells = _table(directory, "gradient_cells.csv", bool(of_cells))
     nodes = _table(directory, "gradient_nodes.csv", bool(of_nodes))
