@@ -52,6 +52,9 @@ bool uses_multigrid_instead(PC pc);
 /// the matrix, not on measured times.
 double cost_of_set_up(PC pc);
 
+/// Whether the preconditioner is Pliant's own, not one that was chosen by PETSc's options.
+bool is_own_preconditioner(PC pc);
+
 /// Whether the preconditioner depends only on the matrix of its last set-up, as a factorization does.
 bool is_factorization(PC pc);
 
