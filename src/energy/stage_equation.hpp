@@ -123,6 +123,9 @@ class StageEquation {
   virtual std::vector<std::string> non_potentials() const = 0;
   bool is_potential() const { return non_potentials().empty(); }
   virtual Symmetry symmetry() const = 0;
+  /// Where `symmetry` is nearly_symmetric: the rows and columns that are not symmetric, ascending, of all ranks and the
+  /// same on each; empty if they are too many to be treated apart. Not collective.
+  virtual std::vector<PetscInt> border() const { return {}; }
 
   /// One flag per owned entry (at least): whether it is prescribed.
   virtual const std::vector<char>& prescribed() const = 0;

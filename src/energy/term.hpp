@@ -84,9 +84,10 @@ enum class Account {
   load             ///< done by other loads
 };
 
-/// The kind of matrix a Hessian is. `add_hessian` of a term adds one of the first two; the matrix of a saddle point is
-/// symmetric with negative eigenvalues of its own (indefinite); that of a soft body with a few rigid parts is symmetric
-/// but for their rows (nearly symmetric).
+/// The kind of matrix a Hessian is. That of a saddle point is symmetric with negative eigenvalues of its own
+/// (indefinite); that of a soft body with a few rigid parts is symmetric but for their rows and columns (nearly
+/// symmetric). `add_hessian` of a term adds a symmetric one, one that is symmetric but for rows and columns of rigid
+/// parts, or an unsymmetric one.
 enum class Symmetry { symmetric, unsymmetric, indefinite, nearly_symmetric };
 constexpr bool is_symmetric(Symmetry symmetry) {
   return symmetry == Symmetry::symmetric || symmetry == Symmetry::indefinite;

@@ -3,6 +3,7 @@
 
 #include "fem/layout.hpp"
 #include "petsc/handle.hpp"
+#include "petsc/near_null_space.hpp"
 
 #include <cstdint>
 #include <span>
@@ -110,11 +111,6 @@ class BlockWriter {
 
 /// A zero MPIAIJ matrix (block size 3, declared symmetric) of the pattern. Collective.
 Handle<Mat> make_matrix(const NodeLayout& layout, const BlockPattern& pattern);
-
-/// The space of the modes, made orthonormal, without those that others span. Collective.
-Handle<MatNullSpace> near_null_space(MPI_Comm comm, std::vector<Handle<Vec>> modes);
-/// Gives it to the matrix as its near-null space. Collective.
-void set_near_null_modes(Mat matrix, std::vector<Handle<Vec>> modes);
 
 /// Three translations and three rotations of the reference configuration, zero on prescribed entries (flags as in
 /// RowElimination): the near-null space of a stiffness. Multigrid represents them on coarse levels. Collective.

@@ -48,7 +48,7 @@ void GuessSearch::remember(Vec solution) {
 }
 
 bool GuessSearch::stop_short_of_walls(Vec accepted, Vec candidate) {
-  if (accepted == nullptr) return true;
+  if (accepted == nullptr || !equation_.has_walls()) return true;
   Vec displacement = correction_.get();
   check(VecWAXPY(displacement, -1.0, accepted, candidate));
   const double bound = inversion_margin * equation_.max_step_to_wall(accepted, displacement);

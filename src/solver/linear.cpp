@@ -241,6 +241,10 @@ double cost_of_set_up(PC pc) {
   return factorization != nullptr ? factorization->cost_of_set_up() : cost_of_usual_set_up;
 }
 
+bool is_own_preconditioner(PC pc) {
+  return factorization_of(pc) != nullptr;
+}
+
 bool is_factorization(PC pc) {
   PetscBool is_of_petsc = PETSC_FALSE;
   check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &is_of_petsc, PCCHOLESKY, PCLU, ""));

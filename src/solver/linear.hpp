@@ -58,6 +58,9 @@ bool apply_to_several(PC pc, std::span<const SeveralDoubles> b, std::span<Severa
 /// the matrix, not on measured times.
 double cost_of_set_up(PC pc);
 
+/// Whether the preconditioner is Pliant's own, not one that was chosen by PETSc's options.
+bool is_own_preconditioner(PC pc);
+
 /// Whether the preconditioner depends only on the matrix of its last set-up, as a factorization does.
 bool is_factorization(PC pc);
 

@@ -65,6 +65,11 @@ LinearSystem::LinearSystem(Objective& objective, KSP ksp, Handle<Mat> K, SolverS
   const bool may_keep = solver_of(ksp) == FactorPolicy::Solver::iterative;
   if (rotates && may_keep && is_factorization(preconditioner_.get())) rotations_ = equation_.make_rotations();
   if (rotations_) corotated_ = std::make_unique<CorotatedPreconditioner>(ksp, *rotations_);
+  std::vector<PetscInt> border = equation_.border();
+  if (!border.empty() && may_keep && is_own_preconditioner(preconditioner_.get())) {
+    bordered_ =
+        std::make_unique<BorderedSystem>(ksp, K_.get(), std::move(border), equation_.prescribed(), rotations_.get());
+  }
 }
 
 void LinearSystem::assemble(Vec q, Projection projection) {
@@ -154,11 +159,19 @@ void LinearSystem::forget() {
 void LinearSystem::factorize(Vec q) {
   const Stopwatch watch(statistics_.factorization_seconds);
   if (uses_near_null_space(preconditioner_.get())) equation_.follow_rigid_motions(q, K_.get());
-  factor_.note_set_up(set_up_preconditioner(preconditioner_.get(), K_.get()));
+  factor_.note_set_up(
+      set_up_preconditioner(preconditioner_.get(), bordered_ ? bordered_->inner_matrix(K_.get()) : K_.get()));
   statistics_.uses_multigrid_instead = uses_multigrid_instead(preconditioner_.get());
-  if (rank_one_ && !factor_.has_failed() && !rank_one_->set_up()) factor_.note_failure();
+  const auto clear_border = [&](Vec x) {
+    if (bordered_) bordered_->clear_border(x);
+  };
+  if (rank_one_ && !factor_.has_failed() && !rank_one_->set_up(clear_border)) factor_.note_failure();
   check(KSPSetOperators(ksp_, matrix(), K_.get()));
   if (rotations_) rotations_->start(equation_.displacements(q));
+  if (bordered_ && !factor_.has_failed()) {
+    bordered_->set_up(K_.get());
+    bordered_->follow(K_.get(), parts_);
+  }
   ++statistics_.factorizations;
   escalation_.factorized();
 }
@@ -222,6 +235,7 @@ bool LinearSystem::prepare(Vec q, Remedy first) {
   remedy_ = first;
   if (!factor_.wants_factor()) {
     if (rotations_) rotations_->follow(equation_.displacements(q));
+    if (bordered_) bordered_->follow(K_.get(), parts_);
     return true;
   }
   factorize_definite(q);
@@ -318,7 +332,9 @@ PetscInt LinearSystem::last_iterations() const {
 FactorPolicy::Solve LinearSystem::last_solve() const {
   PetscReal tolerance = 0.0;
   check(KSPGetTolerances(ksp_, &tolerance, nullptr, nullptr, nullptr));
-  return {static_cast<int>(last_iterations()), -std::log10(tolerance), cost_of_set_up(preconditioner_.get())};
+  double digits = -std::log10(tolerance);
+  if (bordered_) digits = std::max(std::min(digits, 1.0), digits + std::log10(bordered_->part_of_rest()));
+  return {static_cast<int>(last_iterations()), digits, cost_of_set_up(preconditioner_.get())};
 }
 
 void LinearSystem::note_solve() {

@@ -3,6 +3,7 @@
 
 #include "energy/rank_one.hpp"
 #include "petsc/handle.hpp"
+#include "solver/bordered_system.hpp"
 #include "solver/corotated_preconditioner.hpp"
 #include "solver/escalation.hpp"
 #include "solver/factor_policy.hpp"
@@ -23,7 +24,8 @@ namespace pliant {
 ///
 /// Rank-one terms (the pressure of a cavity depends on its volume) are not stored in K: the system includes them by
 /// Woodbury's formula (RankOneSystem). A kept factor rotates with the nodes if the equation provides their rotations
-/// (CorotatedPreconditioner).
+/// (CorotatedPreconditioner). Where only a few rows of K are unsymmetric, they are eliminated, and the factor is that
+/// of the rest (BorderedSystem).
 ///
 /// The requirements on K depend on the aim of the objective. For a minimum, K must have no more negative eigenvalues
 /// than that of a stable state: if the factorization counts more, barriers are projected, the diagonal is shifted by
@@ -132,6 +134,7 @@ class LinearSystem {
   std::unique_ptr<CorotatedPreconditioner> corotated_;  // nullptr likewise
   SeveralSystems several_;
   std::vector<SeveralDoubles> turned_back_;
+  std::unique_ptr<BorderedSystem> bordered_;            // nullptr if K has no border
   FactorPolicy factor_;
   Escalation escalation_;
   bool may_choose_krylov_;  // the linear solver is conjugate gradients, and not by the user's choice

@@ -27,7 +27,7 @@ RankOneSystem::RankOneSystem(KSP ksp, Mat K, const std::vector<RankOne>& parts) 
   check(KSPSetOperators(ksp, A_.get(), K));
 }
 
-bool RankOneSystem::set_up() {
+bool RankOneSystem::set_up(const std::function<void(Vec)>& clear) {
   directions_.clear();
   solutions_.clear();
   for (const RankOne& part : parts_) {
@@ -36,6 +36,7 @@ bool RankOneSystem::set_up() {
     check(VecDuplicate(part.g.get(), solution.out()));
     check(VecCopy(part.g.get(), direction.get()));
     check(VecScale(direction.get(), std::sqrt(part.c)));
+    if (clear) clear(direction.get());
     check(PCApply(inner_.get(), direction.get(), solution.get()));
     directions_.push_back(std::move(direction));
     solutions_.push_back(std::move(solution));

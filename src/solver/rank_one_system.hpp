@@ -5,6 +5,7 @@
 #include "petsc/callback.hpp"
 #include "petsc/handle.hpp"
 
+#include <functional>
 #include <vector>
 
 namespace pliant {
@@ -29,7 +30,8 @@ class RankOneSystem {
   PC inner() const { return inner_.get(); }
   /// To be called after `inner` was set up. Keeps Z and T until the next call, while the rank-one terms of A may
   /// change. Returns false if T is singular. Collective.
-  bool set_up();
+  /// `clear`, if it is given, sets entries to zero that P does not act on.
+  bool set_up(const std::function<void(Vec)>& clear = {});
   /// Number of negative eigenvalues of T.
   PetscInt negative_eigenvalues() const { return negative_; }
 

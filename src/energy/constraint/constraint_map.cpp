@@ -22,6 +22,7 @@ ConstraintMap::ConstraintMap(const NodeLayout& layout, std::span<const Slave> sl
     : comm_(layout.comm),
       first_entry_(3 * layout.first_global_node),
       num_owned_(3 * layout.num_owned_nodes),
+      has_ties_(!slaves.empty()),
       ties_(layout, slaves, std::move(given)),
       dependents_(std::move(dependents)),
       is_slave_(static_cast<std::size_t>(num_owned_), 0),
@@ -79,6 +80,17 @@ PetscInt64 ConstraintMap::num_unsymmetric() const {
     if (!dependent->is_symmetric()) number += static_cast<PetscInt64>(dependent->hosts().size());
   }
   return number;
+}
+
+std::vector<PetscInt> ConstraintMap::unsymmetric_unknowns() const {
+  std::vector<PetscInt> result;
+  for (const auto& dependent : dependents_) {
+    if (dependent->is_symmetric()) continue;
+    const auto hosts = dependent->hosts();
+    result.insert(result.end(), hosts.begin(), hosts.end());
+  }
+  std::ranges::sort(result);
+  return result;
 }
 
 std::vector<std::string> ConstraintMap::non_potentials() const {
@@ -156,10 +168,14 @@ void ConstraintMap::linearize(Vec y) {
   if (!is_symmetric()) assemble(W_.get());
 }
 
-void ConstraintMap::linearize_at(Vec q) {
+void ConstraintMap::begin_end_of_step(Vec q) {
   linearized_at_.clear();
+  for (const auto& dependent : dependents_) dependent->begin_end_of_step(q);
+}
+
+void ConstraintMap::linearize_at(Vec q) {
+  begin_end_of_step(q);
   for (const auto& dependent : dependents_) {
-    dependent->begin_end_of_step(q);
     const std::vector<double> at_reference(dependent->hosts().size(), 0.0);
     put_rows(J_.get(), *dependent, at_reference, &DependentNodes::put_columns);
   }

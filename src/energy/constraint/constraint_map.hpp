@@ -44,6 +44,8 @@ class ConstraintMap {
   /// Evaluates `jacobian` at the end of a step, whose configuration is q: its columns are the velocities that the
   /// constraints allow. Valid until the next begin_stage.
   void linearize_at(Vec q);
+  /// DependentNodes::begin_end_of_step, of all.
+  void begin_end_of_step(Vec q);
   /// Reduces v to the free motion of dependent nodes: removes what is prescribed there, and all other entries.
   void keep_free_motion_of_dependents(Vec v) const;
   /// J, with places for the diagonal entries of slaves, which are zero.
@@ -57,12 +59,17 @@ class ConstraintMap {
   /// A vector with the layout of q and y.
   Handle<Vec> make_vector() const;
 
+  const std::vector<std::unique_ptr<DependentNodes>>& dependents() const { return dependents_; }
+  /// Whether entries depend linearly on others. Not collective.
+  bool has_ties() const { return has_ties_; }
   /// Whether T is linear: then y = q will do. Not collective.
   bool is_linear() const { return dependents_.empty(); }
   /// Whether W = J. Not collective.
   bool is_symmetric() const { return W_.get() == J_.get(); }
   /// The number of unknowns whose rows of W are not those of J. Not collective.
   PetscInt64 num_unsymmetric() const;
+  /// The unknowns that `num_unsymmetric` counts, as entries of y, ascending. Not collective.
+  std::vector<PetscInt> unsymmetric_unknowns() const;
   /// The constraints for which W is not J, each once, as plurals. Not collective.
   std::vector<std::string> non_potentials() const;
   /// y = the unknowns whose configuration is close to q, the closest one if q fulfils the constraints.
@@ -94,6 +101,7 @@ class ConstraintMap {
 
   MPI_Comm comm_;
   PetscInt first_entry_, num_owned_;
+  bool has_ties_;
   LinearTies ties_;
   std::vector<std::unique_ptr<DependentNodes>> dependents_;
   std::vector<char> is_slave_, is_tied_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/vector3.hpp"
+#include "energy/rigid/joint_equation.hpp"
 #include "time/stage.hpp"
 
 #include <span>
@@ -11,6 +12,8 @@
 #include <petscvec.h>
 
 namespace pliant {
+
+class RigidPart;
 
 /// The quantity that a stage keeps rigid.
 enum class Rigidity {
@@ -75,6 +78,10 @@ class DependentNodes {
   virtual void complete_step(const Step& step, Vec q, Vec v) const = 0;
   /// Replaces v by the closest velocities that fulfil the constraint at q, with what is prescribed just after the time.
   virtual void restart(const Step& step, Vec q, Vec v) const = 0;
+  /// The rigid parts whose accelerations are kept rigid; none where is_symmetric(). Not collective.
+  virtual std::vector<const RigidPart*> parts() const { return {}; }
+  /// After begin_end_of_step: the velocities of one of these parts that are allowed, by each unknown. Not collective.
+  virtual std::vector<BodyMotion<double>> allowed_velocities(std::size_t /*part*/) const { return {}; }
   /// Removes what is prescribed from the velocities of the nodes.
   virtual void subtract_given(Vec v) const = 0;
 };

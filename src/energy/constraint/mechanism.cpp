@@ -379,6 +379,18 @@ void Mechanism::restart(const Step& step, Vec q, Vec v) const {
   for (std::size_t p = 0; p < parts_.size(); ++p) parts_[p]->put(fitted[p], nullptr, v);
 }
 
+std::vector<const RigidPart*> Mechanism::parts() const {
+  std::vector<const RigidPart*> result;
+  for (const auto& part : parts_) {
+    if (!is_symmetric()) result.push_back(part.get());
+  }
+  return result;
+}
+
+std::vector<BodyMotion<double>> Mechanism::allowed_velocities(std::size_t part) const {
+  return at(std::vector<double>(hosts_.size(), 0.0)).motions[part];
+}
+
 void Mechanism::subtract_given(Vec v) const {
   for (const auto& part : parts_) part->subtract_given(v);
 }

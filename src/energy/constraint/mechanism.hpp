@@ -61,6 +61,8 @@ class Mechanism final : public DependentNodes {
   void complete_step(const Step& step, Vec q, Vec v) const override;
   void restart(const Step& step, Vec q, Vec v) const override;
   void subtract_given(Vec v) const override;
+  std::vector<const RigidPart*> parts() const override;
+  std::vector<BodyMotion<double>> allowed_velocities(std::size_t part) const override;
 
   /// The states of two of the parts (JointEquation::ground: at rest) that are nearest to q and v. Collective.
   std::array<RigidPart::RigidState, 2> states(const std::array<int, 2>& parts, Vec q, Vec v) const;

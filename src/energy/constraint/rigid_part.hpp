@@ -81,6 +81,12 @@ class RigidPart final : public DependentNodes {
   void complete_step(const Step& step, Vec q, Vec v) const override;
   void restart(const Step& step, Vec q, Vec v) const override;
   void subtract_given(Vec v) const override;
+  std::vector<const RigidPart*> parts() const override {
+    return is_symmetric() ? std::vector<const RigidPart*>{} : std::vector<const RigidPart*>{this};
+  }
+  std::vector<BodyMotion<double>> allowed_velocities(std::size_t /*part*/) const override {
+    return at(std::vector<double>(hosts_.size(), 0.0)).columns;
+  }
 
   /// What joints need of a part whose nodes do not lie in a plane (energy/constraint/mechanism.hpp).
 

@@ -1,23 +1,10 @@
 /// Projection of velocities onto the constraints, in the norm of the kinetic energy.
 #pragma once
 
-#include "energy/constraint/constraint_map.hpp"
-#include "energy/volume/inertia.hpp"
-#include "petsc/callback.hpp"
+#include "energy/constraint/reduced_mass.hpp"
 #include "time/stage.hpp"
 
-#include <vector>
-
 namespace pliant {
-
-/// The data of a projection. `prescribed`: one flag per owned entry (at least). `map`: nullptr if only displacements
-/// are prescribed.
-struct ConstrainedMass {
-  const NodeLayout& layout;
-  const Inertia& inertia;
-  const std::vector<char>& prescribed;
-  ConstraintMap* map;
-};
 
 /// Projects velocities onto those that the constraints allow:
 ///
@@ -31,8 +18,6 @@ class VelocityProjection {
  public:
   /// The references in `bodies` must outlive the object. Collective.
   explicit VelocityProjection(const ConstrainedMass& bodies);
-  VelocityProjection(const VelocityProjection&) = delete;  // PETSc's objects point to it
-  VelocityProjection& operator=(const VelocityProjection&) = delete;
 
   /// Which velocities are projected.
   enum class Scope {
@@ -44,21 +29,9 @@ class VelocityProjection {
   void operator()(Vec q, Vec wanted, Vec v, Scope scope);
 
  private:
-  static PetscErrorCode multiply_callback(Mat A, Vec x, Vec y);
-  static PetscErrorCode diagonal_callback(Mat A, Vec diagonal);
-  /// y = J^T M J x.
-  void multiply(Vec x, Vec y);
-  /// f = J^T M v, whose ghosts it updates.
-  void put_force(Vec v, Vec f);
-  void clear_excluded(Vec x) const;
-
   ConstraintMap* map_;
-  const MassMatrix& mass_;
-  std::vector<char> is_excluded_;  // entries that are not unknowns
-  Handle<Mat> reduced_;            // J^T M J, on unknowns
-  Handle<KSP> ksp_;
-  Handle<Vec> expanded_, force_, w_, rhs_, diagonal_, masses_;
-  CallbackGuard guard_;
+  ReducedMass mass_;
+  Handle<Vec> difference_, rhs_, w_;
 };
 
 /// `motion` with its velocities projected: after a restart and, where rigid parts rotate freely, those of the method at

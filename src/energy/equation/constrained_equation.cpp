@@ -12,6 +12,8 @@ namespace {
 
 /// Unknowns of the equation to one whose row is unsymmetric, at least, for the whole to count as nearly symmetric.
 constexpr PetscInt64 many_to_one = 10;
+/// The most unknowns whose rows are treated apart, by dense matrices.
+constexpr PetscInt64 largest_border = 300;
 
 }  // namespace
 
@@ -23,6 +25,10 @@ ConstrainedEquation::ConstrainedEquation(StageEquation& equation, ConstraintMap&
       y_part_(map.make_vector().get()),
       x_part_(map.make_vector().get()) {
   for (Handle<Vec>* x : {&x_, &d_, &full_gradient_, &diagonal_, &y0_, &w0_, &accepted_}) *x = equation.make_vector();
+  for (KnownGradient& known : known_) {
+    known.y = equation.make_vector();
+    known.r = equation.make_vector();
+  }
   if (!map.is_symmetric()) own_test_matrix_.emplace(map.test_matrix(), x_.get());
   product_.emplace(full_.get(), test_matrix(), jacobian_.matrix(), map.is_tied());
   pattern_of_full_ = pattern_id(full_.get());
@@ -36,11 +42,56 @@ ConstrainedEquation::ConstrainedEquation(StageEquation& equation, ConstraintMap&
 }
 
 Symmetry ConstrainedEquation::find_symmetry() const {
-  if (map_.is_symmetric()) return equation_.symmetry();
-  if (equation_.symmetry() != Symmetry::symmetric) return Symmetry::unsymmetric;
+  const Symmetry symmetry = equation_.symmetry();
+  const bool is_nearly = symmetry == Symmetry::nearly_symmetric;
+  if (map_.is_symmetric()) return is_nearly ? Symmetry::unsymmetric : symmetry;
+  if (symmetry != Symmetry::symmetric && !is_nearly) return Symmetry::unsymmetric;
   const auto num_free = static_cast<PetscInt64>(std::ranges::count(prescribed_, char{0}));
   const bool are_few = many_to_one * map_.num_unsymmetric() <= sum(comm(), num_free);
   return are_few ? Symmetry::nearly_symmetric : Symmetry::unsymmetric;
+}
+
+std::vector<PetscInt> ConstrainedEquation::border() const {
+  if (symmetry_ != Symmetry::nearly_symmetric || map_.num_unsymmetric() > largest_border) return {};
+  std::vector<PetscInt> rows;
+  for (const PetscInt unknown : map_.unsymmetric_unknowns()) rows.push_back(jacobian_.place(unknown));
+  return rows;
+}
+
+void ConstrainedEquation::forget_gradients() {
+  for (KnownGradient& known : known_) known.is_known = false;
+}
+
+Vec ConstrainedEquation::gradient_in_x(Vec y) {
+  for (const std::size_t k : {last_known_, 1 - last_known_}) {
+    PetscBool is_there = PETSC_FALSE;
+    if (known_[k].is_known) check(VecEqual(y, known_[k].y.get(), &is_there));
+    if (is_there == PETSC_FALSE) continue;
+    last_known_ = k;
+    return known_[k].r.get();
+  }
+  last_known_ = 1 - last_known_;
+  KnownGradient& known = known_[last_known_];
+  expand(y, x_.get());
+  equation_.gradient(x_.get(), known.r.get());
+  check(VecCopy(y, known.y.get()));
+  known.is_known = true;
+  return known.r.get();
+}
+
+void ConstrainedEquation::give_up() {
+  forget_gradients();
+  equation_.give_up();
+}
+
+void ConstrainedEquation::forget() {
+  forget_gradients();
+  equation_.forget();
+}
+
+void ConstrainedEquation::set_prescribed_fraction(double fraction) {
+  forget_gradients();
+  map_.set_prescribed_fraction(fraction);
 }
 
 void ConstrainedEquation::expand(Vec y, Vec x) const {
@@ -72,6 +123,7 @@ void ConstrainedEquation::linearize(Vec y) {
 }
 
 StagePoint ConstrainedEquation::enter(const StagePoint& stage, Vec q, Vec y) {
+  forget_gradients();
   map_.begin_stage(stage, q);
   const StagePoint whole = equation_.enter(stage, q, x_.get());
   restrict(x_.get(), y);
@@ -100,10 +152,9 @@ double ConstrainedEquation::value(Vec y) {
 }
 
 void ConstrainedEquation::gradient(Vec y, Vec r) {
-  expand(y, x_.get());
-  equation_.gradient(x_.get(), full_gradient_.get());
+  Vec in_x = gradient_in_x(y);
   linearize(y);
-  check(MatMultTranspose(test_matrix(), full_gradient_.get(), r));
+  check(MatMultTranspose(test_matrix(), in_x, r));
 }
 
 Handle<Mat> ConstrainedEquation::make_hessian() const {
@@ -153,16 +204,19 @@ std::unique_ptr<NodalRotations> ConstrainedEquation::make_rotations() const {
 }
 
 void ConstrainedEquation::freeze(Vec y) {
+  forget_gradients();
   expand(y, x_.get());
   equation_.freeze(x_.get());
 }
 
 bool ConstrainedEquation::refreeze(Vec y) {
+  forget_gradients();
   expand(y, x_.get());
   return equation_.refreeze(x_.get());
 }
 
 void ConstrainedEquation::drag(Vec y, Vec at, Vec f) {
+  forget_gradients();
   expand(at, d_.get());
   expand(y, x_.get());
   equation_.drag(x_.get(), d_.get(), full_gradient_.get());
@@ -216,8 +270,7 @@ void ConstrainedEquation::hessian(Vec y, Mat K, Projection projection) {
   check(MatAssemblyBegin(K, MAT_FINAL_ASSEMBLY));
   check(MatAssemblyEnd(K, MAT_FINAL_ASSEMBLY));
   if (map_.is_linear() || projection == Projection::positive_semidefinite) return;
-  equation_.gradient(x_.get(), full_gradient_.get());
-  const LeadingPart::Of unknowns(y_part_, y), forces(x_part_, full_gradient_.get());
+  const LeadingPart::Of unknowns(y_part_, y), forces(x_part_, gradient_in_x(y));
   map_.add_curvature(unknowns.get(), forces.get(), K, [&](PetscInt entry) { return jacobian_.place(entry); });
 }
 
@@ -251,6 +304,7 @@ double ConstrainedEquation::max_step(Vec y, Vec d) {
 }
 
 void ConstrainedEquation::extrapolate_from(Vec y) {
+  forget_gradients();
   if (y != nullptr) expand(y, x_.get());
   equation_.extrapolate_from(y != nullptr ? x_.get() : nullptr);
 }

@@ -8,6 +8,7 @@
 #include "petsc/leading_part.hpp"
 #include "petsc/matrix_pattern.hpp"
 
+#include <array>
 #include <optional>
 
 namespace pliant {
@@ -27,8 +28,8 @@ class ConstrainedEquation final : public StageEquation {
   /// The extrapolation by dt v0 from the start of the stage that is returned is that of the configurations.
   StagePoint enter(const StagePoint& stage, Vec q, Vec y) override;
   void leave(Vec y, Vec q) override;
-  void give_up() override { equation_.give_up(); }
-  void forget() override { equation_.forget(); }
+  void give_up() override;
+  void forget() override;
   void freeze(Vec y) override;
   bool refreeze(Vec y) override;
   void drag(Vec y, Vec at, Vec f) override;
@@ -49,7 +50,7 @@ class ConstrainedEquation final : public StageEquation {
   bool is_static() const override { return equation_.is_static(); }
   bool follow_obstacles(Followers which, Vec y) override;
   bool follow_prescribed_nodes(Vec y) override;
-  void set_prescribed_fraction(double fraction) override { map_.set_prescribed_fraction(fraction); }
+  void set_prescribed_fraction(double fraction) override;
   double force_scale(Vec y) override;
   double inertia_scale() override { return equation_.inertia_scale(); }
   double rounding_floor(Vec y) const override;
@@ -57,6 +58,7 @@ class ConstrainedEquation final : public StageEquation {
   PetscInt num_negative_pivots() const override { return equation_.num_negative_pivots(); }
   std::vector<std::string> non_potentials() const override;
   Symmetry symmetry() const override { return symmetry_; }
+  std::vector<PetscInt> border() const override;
   const std::vector<char>& prescribed() const override { return prescribed_; }
   PetscInt num_unknowns() const override { return equation_.num_unknowns(); }
   MPI_Comm comm() const override { return equation_.comm(); }
@@ -73,6 +75,14 @@ class ConstrainedEquation final : public StageEquation {
   void linearize(Vec y);
   /// x_ = T(y) and d_ = J d, there.
   void expand_direction(Vec y, Vec d);
+  /// A gradient in x, which is known until something else changes than y.
+  struct KnownGradient {
+    Handle<Vec> y, r;
+    bool is_known = false;
+  };
+  /// The gradient of the equation at T(y), by evaluation unless it is one of the last two.
+  Vec gradient_in_x(Vec y);
+  void forget_gradients();
   Mat test_matrix() const { return (own_test_matrix_ ? *own_test_matrix_ : jacobian_).matrix(); }
   void set_near_null_space(Mat K) const;
   /// K = W^T (Hessian in x) J.
@@ -91,6 +101,8 @@ class ConstrainedEquation final : public StageEquation {
   PresentPattern present_pattern_;     // of W^T K J
   LeadingPart y_part_, x_part_;
   Handle<Vec> x_, d_, full_gradient_, diagonal_, y0_, w0_, accepted_;
+  std::array<KnownGradient, 2> known_;
+  std::size_t last_known_ = 0;
 };
 
 }  // namespace pliant

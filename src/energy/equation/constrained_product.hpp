@@ -1,7 +1,7 @@
 /// The Hessian in the unknowns that constraints leave: a sparse product with matrices close to the identity.
 #pragma once
 
-#include "petsc/handle.hpp"
+#include "petsc/matrix_parts.hpp"
 
 #include <array>
 #include <vector>
@@ -26,13 +26,8 @@ class ConstrainedProduct {
   void set(Mat A, Mat K);
 
  private:
-  /// Entries that follow one another in both of two arrays.
-  struct Run {
-    PetscInt from = 0, to = 0, count = 0;
-  };
   /// One list for each part of a matrix: the columns of this rank, and those of other ranks.
-  using Runs = std::array<std::vector<Run>, 2>;
-  class Rows;
+  using Runs = std::array<std::vector<EntryRun>, 2>;
 
   void make_near(Mat A);
   void multiply(MatReuse reuse);

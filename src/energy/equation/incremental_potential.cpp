@@ -227,7 +227,7 @@ Handle<Mat> IncrementalPotential::make_hessian() const {
 
 Handle<Mat> IncrementalPotential::make_hessian_of(const BlockPattern& pattern) const {
   Handle<Mat> K = make_matrix(layout_, pattern);
-  if (symmetry() == Symmetry::unsymmetric) {
+  if (!is_symmetric(symmetry())) {
     check(MatSetOption(K.get(), MAT_SYMMETRY_ETERNAL, PETSC_FALSE));
     check(MatSetOption(K.get(), MAT_SYMMETRIC, PETSC_FALSE));
     check(MatSetOption(K.get(), MAT_STRUCTURALLY_SYMMETRIC, PETSC_TRUE));
@@ -372,8 +372,11 @@ std::vector<std::string> IncrementalPotential::non_potentials() const {
 }
 
 Symmetry IncrementalPotential::symmetry() const {
-  const auto is_unsymmetric = [](const EnergyTerm* t) { return t->declaration().symmetry == Symmetry::unsymmetric; };
-  return std::ranges::any_of(terms_.all(), is_unsymmetric) ? Symmetry::unsymmetric : Symmetry::symmetric;
+  for (const Symmetry symmetry : {Symmetry::unsymmetric, Symmetry::nearly_symmetric}) {
+    const auto is_such = [&](const EnergyTerm* term) { return term->declaration().symmetry == symmetry; };
+    if (std::ranges::any_of(terms_.all(), is_such)) return symmetry;
+  }
+  return Symmetry::symmetric;
 }
 
 Handle<Vec> IncrementalPotential::make_internal() const {

@@ -4,6 +4,7 @@
 #include "base/dual.hpp"
 #include "energy/rigid/joint_equation.hpp"
 
+#include <array>
 #include <cmath>
 
 namespace pliant {
@@ -38,15 +39,43 @@ Dual<T> angle_of(const Dual<T>& y, const Dual<T>& x) {
           (x.value * y.slope - y.value * x.slope) * inverse_of(x.value * x.value + y.value * y.value)};
 }
 
-template <class T>
-T coordinate_of(const JointAngle& joint, const BodyMotion<T>& a, const BodyMotion<T>& b) {
-  const auto e = b.direction(joint.e);
-  return angle_of(dot(e, a.direction(joint.f)), dot(e, a.direction(joint.e)));
+/// A material direction or point of one of the two bodies.
+struct JointVector {
+  std::size_t body = 0;
+  bool is_point = false;
+  Vector3<double> at_start{};
+
+  template <class T>
+  Vector3<T> operator()(const BodyMotion<T>& motion) const {
+    return is_point ? motion.point(at_start) : motion.direction(at_start);
+  }
+};
+
+/// The vectors of which a coordinate is a function; they are affine in the motions of the bodies.
+using JointVectors = std::array<JointVector, 3>;
+inline JointVectors vectors_of(const JointAngle& joint) {
+  return {{{0, false, joint.e}, {0, false, joint.f}, {1, false, joint.e}}};
+}
+inline JointVectors vectors_of(const JointTravel& joint) {
+  return {{{0, false, joint.direction}, {0, true, joint.point}, {1, true, joint.point}}};
 }
 
+/// The coordinate at the present vectors x.
 template <class T>
-T coordinate_of(const JointTravel& joint, const BodyMotion<T>& a, const BodyMotion<T>& b) {
-  return dot(a.direction(joint.direction), b.point(joint.point) - a.point(joint.point));
+T coordinate_at(const JointAngle&, const std::array<Vector3<T>, 3>& x) {
+  return angle_of(dot(x[2], x[1]), dot(x[2], x[0]));
+}
+template <class T>
+T coordinate_at(const JointTravel&, const std::array<Vector3<T>, 3>& x) {
+  return dot(x[0], x[2] - x[1]);
+}
+
+template <class Joint, class T>
+T coordinate_of(const Joint& joint, const BodyMotion<T>& a, const BodyMotion<T>& b) {
+  std::array<Vector3<T>, 3> x;
+  const JointVectors vectors = vectors_of(joint);
+  for (std::size_t d = 0; d < 3; ++d) x[d] = vectors[d](vectors[d].body == 0 ? a : b);
+  return coordinate_at(joint, x);
 }
 
 }  // namespace pliant

@@ -80,63 +80,37 @@ struct EffortOf {
   }
 };
 
-/// The affine motion of a body by its four corners.
-struct MotionOfCorners {
-  explicit MotionOfCorners(const std::array<Vector3<double>, 4>& X) : centre(X[0]), gradients(linear_gradients(X)) {}
-
-  template <class T>
-  BodyMotion<T> operator()(const std::array<Vector3<T>, 4>& u) const {
-    BodyMotion<T> result{centre, u[0], {}};
-    for (std::size_t a = 0; a < 4; ++a) {
-      for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-          result.gradient(i, j) =
-              result.gradient(i, j) + T(gradients[a][static_cast<std::size_t>(j)]) * u[a][static_cast<std::size_t>(i)];
-        }
-      }
-    }
-    return result;
-  }
-
-  Vector3<double> centre;
-  std::array<Vector3<double>, 4> gradients;
-};
-
 /// The coordinate of a joint as a function of the displacements of its nodes, those of the first body first, and its
-/// derivatives.
+/// derivatives. Only three vectors of the bodies matter, each a weighted sum of displacements: derivatives are taken by
+/// their nine numbers, and carried to the nodes by the weights.
 class CoordinateOfNodes {
  public:
   CoordinateOfNodes(const JointCoordinate& coordinate, const std::array<std::vector<PetscInt>, 2>& nodes,
                     std::span<const double> X)
       : coordinate_(coordinate) {
+    const JointVectors vectors = std::visit([](const auto& joint) { return vectors_of(joint); }, coordinate);
+    for (std::size_t d = 0; d < 3; ++d) places_[d] = vectors[d].at_start;
     for (std::size_t side = 0; side < 2; ++side) {
       if (nodes[side].empty()) continue;
       std::array<Vector3<double>, 4> x;
       for (std::size_t a = 0; a < 4; ++a) {
         for (std::size_t i = 0; i < 3; ++i) x[a][i] = X[3 * static_cast<std::size_t>(nodes[side][a]) + i];
       }
-      corners_[side].emplace(x);
+      const auto gradients = linear_gradients(x);
+      for (std::size_t d = 0; d < 3; ++d) {
+        if (vectors[d].body != side) continue;
+        first_[d] = nodes_.size();
+        const auto along = vectors[d].is_point ? vectors[d].at_start - x[0] : vectors[d].at_start;
+        for (std::size_t a = 0; a < 4; ++a) weights_[d][a] = dot(gradients[a], along);
+        if (vectors[d].is_point) weights_[d][0] += 1.0;
+      }
       for (const PetscInt node : nodes[side]) nodes_.push_back(node);
     }
   }
   const std::vector<PetscInt>& nodes() const { return nodes_; }
   std::size_t size() const { return 3 * nodes_.size(); }
 
-  template <class T>
-  T operator()(std::span<const T> u) const {
-    std::array<BodyMotion<T>, 2> motions{};
-    std::size_t first = 0;
-    for (std::size_t side = 0; side < 2; ++side) {
-      if (!corners_[side]) continue;
-      std::array<Vector3<T>, 4> own;
-      for (std::size_t a = 0; a < 4; ++a) {
-        for (std::size_t i = 0; i < 3; ++i) own[a][i] = u[first + 3 * a + i];
-      }
-      motions[side] = (*corners_[side])(own);
-      first += 12;
-    }
-    return std::visit([&](const auto& joint) { return coordinate_of(joint, motions[0], motions[1]); }, coordinate_);
-  }
+  double operator()(std::span<const double> u) const { return at(vectors(u)); }
   std::vector<double> gather(std::span<const double> q) const {
     std::vector<double> u;
     for (const PetscInt node : nodes_) {
@@ -145,36 +119,68 @@ class CoordinateOfNodes {
     return u;
   }
   std::vector<double> gradient(std::span<const double> u) const {
-    std::vector<Dual<double>> x(u.begin(), u.end());
-    std::vector<double> result;
-    for (auto& one : x) {
-      one.slope = 1.0;
-      result.push_back((*this)(std::span<const Dual<double>>(x)).slope);
-      one.slope = 0.0;
+    Vectors<Dual<double>> x;
+    const auto now = vectors(u);
+    for (std::size_t k = 0; k < num_numbers; ++k) x[k / 3][k % 3] = now[k / 3][k % 3];
+    std::vector<double> result(size(), 0.0);
+    for (std::size_t k = 0; k < num_numbers; ++k) {
+      x[k / 3][k % 3].slope = 1.0;
+      const double slope = at(x).slope;
+      x[k / 3][k % 3].slope = 0.0;
+      for_nodes(k, [&](std::size_t entry, double weight) { result[entry] += weight * slope; });
     }
     return result;
   }
   /// By rows.
   std::vector<double> hessian(std::span<const double> u) const {
-    using Twice = Dual<Dual<double>>;
-    std::vector<Twice> x;
-    for (const double value : u) x.push_back({Dual<double>(value, 0.0), Dual<double>(0.0, 0.0)});
-    std::vector<double> result;
-    for (std::size_t k = 0; k < x.size(); ++k) {
-      x[k].slope.value = 1.0;
-      for (std::size_t l = 0; l < x.size(); ++l) {
-        x[l].value.slope = 1.0;
-        result.push_back((*this)(std::span<const Twice>(x)).slope.slope);
-        x[l].value.slope = 0.0;
+    Vectors<Dual<Dual<double>>> x;
+    const auto now = vectors(u);
+    for (std::size_t k = 0; k < num_numbers; ++k) x[k / 3][k % 3].value = Dual<double>(now[k / 3][k % 3], 0.0);
+    std::vector<double> result(size() * size(), 0.0);
+    for (std::size_t k = 0; k < num_numbers; ++k) {
+      x[k / 3][k % 3].slope.value = 1.0;
+      for (std::size_t l = 0; l < num_numbers; ++l) {
+        x[l / 3][l % 3].value.slope = 1.0;
+        const double bend = at(x).slope.slope;
+        x[l / 3][l % 3].value.slope = 0.0;
+        if (bend == 0.0) continue;
+        for_nodes(k, [&](std::size_t row, double of_row) {
+          for_nodes(
+              l, [&](std::size_t column, double weight) { result[size() * row + column] += of_row * weight * bend; });
+        });
       }
-      x[k].slope.value = 0.0;
+      x[k / 3][k % 3].slope.value = 0.0;
     }
     return result;
   }
 
  private:
+  template <class T>
+  using Vectors = std::array<Vector3<T>, 3>;
+  static constexpr std::size_t num_numbers = 9;
+
+  template <class T>
+  T at(const Vectors<T>& x) const {
+    return std::visit([&](const auto& joint) { return coordinate_at(joint, x); }, coordinate_);
+  }
+  Vectors<double> vectors(std::span<const double> u) const {
+    Vectors<double> x = places_;
+    for (std::size_t k = 0; k < num_numbers; ++k) {
+      for_nodes(k, [&](std::size_t entry, double weight) { x[k / 3][k % 3] += weight * u[entry]; });
+    }
+    return x;
+  }
+  /// The entries of displacements on which number k of the vectors depends, with their weights.
+  template <class F>
+  void for_nodes(std::size_t k, F&& f) const {
+    if (!first_[k / 3]) return;  // of the ground
+    for (std::size_t a = 0; a < 4; ++a) f(3 * (*first_[k / 3] + a) + k % 3, weights_[k / 3][a]);
+  }
+
   const JointCoordinate& coordinate_;
-  std::array<std::optional<MotionOfCorners>, 2> corners_;
+  Vectors<double> places_{};  // of the vectors at the start
+  std::array<std::array<double, 4>, 3> weights_{};
+  std::array<std::optional<std::size_t>, 3> first_;  // node of each vector's body
   std::vector<PetscInt> nodes_;
 };
 
@@ -197,7 +203,7 @@ struct JointState {
 JointState state_of(const CoordinateOfNodes& coordinate, const JointEffort::Joint& joint, const LocalStage& stage,
                     std::span<const double> q) {
   JointState state{coordinate.gather(q), std::vector<double>(coordinate.size(), 0.0), {}, {}};
-  state.coordinate = coordinate(std::span<const double>(state.u));
+  state.coordinate = coordinate(state.u);
   state.slope = coordinate.gradient(state.u);
   if (!is_elastic(joint.law) && !stage.q0.empty() && stage.dt > 0.0) {
     const auto start = coordinate.gather(stage.q0);
@@ -260,7 +266,7 @@ TermDeclaration JointEffort::declaration() const {
   declaration.is_potential = is_elastic(law());
   declaration.account = std::holds_alternative<JointMotor>(law()) ? Account::load : Account::stored;
   declaration.dissipates = dissipates(law());
-  declaration.symmetry = is_elastic(law()) ? Symmetry::symmetric : Symmetry::unsymmetric;
+  declaration.symmetry = is_elastic(law()) ? Symmetry::symmetric : Symmetry::nearly_symmetric;
   declaration.rotates_with_body = false;
   return declaration;
 }
@@ -300,7 +306,7 @@ double JointEffort::stored(const NearPatches& near, std::span<const double> q, s
     const bool turns = std::holds_alternative<JointAngle>(one.joint->coordinate);
     const auto at = [&](std::span<const double> place) {
       const auto u = coordinate.gather(place);
-      return coordinate(std::span<const double>(u));
+      return coordinate(u);
     };
     const std::optional<double> then = from.empty() ? std::nullopt : std::optional(at(from));
     sum += stored_energy(one.joint->law, at(q), then, turns);

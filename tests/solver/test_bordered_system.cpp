@@ -1,0 +1,116 @@
+// Linear systems that are symmetric but for a few rows and columns.
+#include "solver/bordered_system.hpp"
+#include "solver/linear.hpp"
+#include "solver/problem.hpp"
+#include "solver/rank_one_system.hpp"
+
+namespace pliant::test_bordered_system {
+namespace {
+
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::TestStage;
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+
+/// A vector of ones, but for some entries.
+Handle<Vec> ones_but(Mat K, const std::vector<PetscInt>& rows, double value) {
+  Handle<Vec> x;
+  check(MatCreateVecs(K, x.out(), nullptr));
+  check(VecSet(x.get(), 1.0));
+  PetscInt first = 0, last = 0;
+  check(MatGetOwnershipRange(K, &first, &last));
+  for (const PetscInt row : rows) {
+    if (row >= first && row < last) check(VecSetValue(x.get(), row, value, INSERT_VALUES));
+  }
+  check(VecAssemblyBegin(x.get()));
+  check(VecAssemblyEnd(x.get()));
+  return x;
+}
+
+class BorderedSystems : public testing::Test {
+ protected:
+  const Scratch scratch{comm};
+  const Solid solid{comm,
+                    scratch.file("body.msh",
+                                 [](const std::string& f) {
+                                   test::write_body(f, {1, Shape::jittered, 4});
+                                 }),
+                    1, 1};
+  std::unique_ptr<EnergyTerm> elastic = solid.elastic(make_law("neo-hookean", 1e6, 0.3));
+  std::unique_ptr<EnergyTerm> inertia = solid.inertia(1000.0, Mass::consistent);
+  IncrementalPotential potential{
+      solid.layout(), solid.pattern(), {elastic.get(), inertia.get()}, solid.nothing_prescribed()};
+  TestStage stage{solid, 0.0, 0.1};
+  Handle<Mat> K;
+  Handle<KSP> ksp;
+  std::vector<PetscInt> border;  // the nodes that rank 0 and the last rank own first
+
+  void SetUp() override {
+    potential.begin_stage(stage.point);
+    K = potential.make_hessian();
+    for (const MatOption is : {MAT_SYMMETRIC, MAT_SYMMETRY_ETERNAL}) check(MatSetOption(K.get(), is, PETSC_FALSE));
+    potential.hessian(stage.q0.get(), K.get(), Projection::none);
+    check(KSPCreate(comm, ksp.out()));
+    const auto last_first = 3 * (solid.layout().num_global_nodes - 1);
+    border = {0, 1, 2, 3, 4, 5, last_first, last_first + 1, last_first + 2};
+  }
+
+  /// Iterations that the present system takes, whose solution is compared with the right-hand side.
+  PetscInt iterations() {
+    const auto b = solid.vector(test::rough_field(1.0, 1));
+    const Handle<Vec> x = potential.make_vector(), Kx = potential.make_vector();
+    check(KSPSolve(ksp.get(), b.get(), x.get()));
+    check(MatMult(K.get(), x.get(), Kx.get()));
+    EXPECT_LE(test::distance(Kx.get(), b.get()), 2e-9 * test::norm(b.get()));
+    PetscInt number = 0;
+    check(KSPGetIterationNumber(ksp.get(), &number));
+    return number;
+  }
+};
+
+// Neither the asymmetry nor later changes of the border cost iterations: with the factor of the rest, two or three.
+TEST_F(BorderedSystems, AreSolvedAsFastAsTheRest) {
+  configure_linear_solver(ksp.get(), K.get(), LinearKind::cholesky, Symmetry::nearly_symmetric);
+  check(KSPSetTolerances(ksp.get(), 1e-9, PETSC_DEFAULT, PETSC_DEFAULT, 100));
+  PC inner = nullptr;
+  check(KSPGetPC(ksp.get(), &inner));
+  check(MatDiagonalScale(K.get(), ones_but(K.get(), border, 3.0).get(), nullptr));
+  BorderedSystem system(ksp.get(), K.get(), border, solid.nothing_prescribed(), nullptr);
+  ASSERT_EQ(set_up_preconditioner(inner, system.inner_matrix(K.get())), SetUp::sound);
+  system.set_up(K.get());
+  system.follow(K.get(), {});
+  EXPECT_LE(iterations(), 3);
+  check(MatDiagonalScale(K.get(), ones_but(K.get(), border, -0.2).get(), ones_but(K.get(), border, 7.0).get()));
+  system.follow(K.get(), {});
+  EXPECT_LE(iterations(), 3);
+}
+
+// A rank-one term of the border alone is a part of its block.
+TEST_F(BorderedSystems, TakeRankOneTermsOfTheBorder) {
+  configure_linear_solver(ksp.get(), K.get(), LinearKind::cholesky, Symmetry::nearly_symmetric);
+  check(KSPSetTolerances(ksp.get(), 1e-9, PETSC_DEFAULT, PETSC_DEFAULT, 100));
+  PC inner = nullptr;
+  check(KSPGetPC(ksp.get(), &inner));
+  std::vector<RankOne> parts(1);
+  parts[0].c = 1e12;
+  parts[0].g = ones_but(K.get(), border, 2.0);
+  check(VecShift(parts[0].g.get(), -1.0));
+  RankOneSystem rank_one(ksp.get(), K.get(), parts);
+  BorderedSystem system(ksp.get(), K.get(), border, solid.nothing_prescribed(), nullptr);
+  ASSERT_EQ(set_up_preconditioner(inner, system.inner_matrix(K.get())), SetUp::sound);
+  ASSERT_TRUE(rank_one.set_up([&](Vec x) { system.clear_border(x); }));
+  check(KSPSetOperators(ksp.get(), rank_one.matrix(), K.get()));
+  system.set_up(K.get());
+  system.follow(K.get(), parts);
+  const auto b = solid.vector(test::rough_field(1.0, 1));
+  const Handle<Vec> x = potential.make_vector();
+  check(KSPSolve(ksp.get(), b.get(), x.get()));
+  PetscInt number = 0;
+  check(KSPGetIterationNumber(ksp.get(), &number));
+  EXPECT_LE(number, 3);
+}
+
+}  // namespace
+}  // namespace pliant::test_bordered_system
