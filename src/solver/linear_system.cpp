@@ -301,7 +301,7 @@ void LinearSystem::solve(Vec r, Vec y) {
 
 bool LinearSystem::solve_several(std::span<const Vec> r, std::span<const Vec> guesses, std::span<const Vec> y,
                                  double part) {
-  if (rank_one_ || factor_.has_failed() || !is_of_type(ksp_, KSPCG)) return false;
+  if (rank_one_ || bordered_ || factor_.has_failed() || !is_of_type(ksp_, KSPCG)) return false;
   const Stopwatch watch(statistics_.solve_seconds);
   const auto inverse = [&](std::span<const SeveralDoubles> b, std::span<SeveralDoubles> x) {
     if (!rotations_) return apply_to_several(preconditioner_.get(), b, x);

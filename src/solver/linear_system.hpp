@@ -134,7 +134,7 @@ class LinearSystem {
   std::unique_ptr<CorotatedPreconditioner> corotated_;  // nullptr likewise
   SeveralSystems several_;
   std::vector<SeveralDoubles> turned_back_;
-  std::unique_ptr<BorderedSystem> bordered_;            // nullptr if K has no border
+  std::unique_ptr<BorderedSystem> bordered_;  // nullptr if K has no border
   FactorPolicy factor_;
   Escalation escalation_;
   bool may_choose_krylov_;  // the linear solver is conjugate gradients, and not by the user's choice
