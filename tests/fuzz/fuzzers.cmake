@@ -14,8 +14,8 @@ endfunction()
 
 # What reads inputs, and the laws whose moduli it checks, whose kernels would take a quarter of an hour to compile with
 # clang's sanitizers.
-file(GLOB input_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/input/*.cpp ${CMAKE_SOURCE_DIR}/src/input/sections/*.cpp)
-set(beside material/constants material/law_field material/law_info material/loading material/registry
+file(GLOB input_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/input/*.cpp ${CMAKE_SOURCE_DIR}/src/input/*/*.cpp)
+set(beside material/constants material/law_field material/law_info material/library material/loading material/registry
            material/viscosity_registry material/volume_split)
 list(TRANSFORM beside REPLACE "(.+)" "${CMAKE_SOURCE_DIR}/src/\\1.cpp")
 set_source_files_properties(${CMAKE_SOURCE_DIR}/src/material/law_field.cpp PROPERTIES COMPILE_OPTIONS -fno-sanitize=all)
