@@ -14,8 +14,8 @@ endfunction()
 
 # What reads inputs, and the laws whose moduli it checks, whose kernels would take a quarter of an hour to compile with
 # clang's sanitizers.
-file(GLOB input_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/input/*.cpp ${CMAKE_SOURCE_DIR}/src/input/sections/*.cpp)
-set(beside material/constants material/law_field material/law_info material/loading material/registry
+file(GLOB input_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/input/*.cpp ${CMAKE_SOURCE_DIR}/src/input/*/*.cpp)
+set(beside material/constants material/law_field material/law_info material/library material/loading material/registry
            material/viscosity_registry material/volume_split)
 list(TRANSFORM beside REPLACE "(.+)" "${CMAKE_SOURCE_DIR}/src/\\1.cpp")
 set_source_files_properties(${CMAKE_SOURCE_DIR}/src/material/law_field.cpp PROPERTIES COMPILE_OPTIONS -fno-sanitize=all)
@@ -23,10 +23,7 @@ add_library(pliant_fuzzed_input STATIC ${input_sources} ${beside})
 target_link_libraries(pliant_fuzzed_input PUBLIC pliant_time yaml-cpp nlohmann_json::nlohmann_json)
 
 pliant_fuzzer(input read_as_input input.cpp pliant_fuzzed_input)
-# And the reader of fits, without what runs them.
-add_library(pliant_fuzzed_fit STATIC ${CMAKE_SOURCE_DIR}/src/study/fit_input.cpp)
-target_link_libraries(pliant_fuzzed_fit PUBLIC pliant_fuzzed_input)
-pliant_fuzzer(fit read_as_fit fit.cpp pliant_fuzzed_fit)
+pliant_fuzzer(fit read_as_fit fit.cpp pliant_study)
 pliant_fuzzer(msh read_as_msh meshes.cpp pliant_mesh)
 foreach(name abaqus nastran medit unv vtk vtu med)
   pliant_fuzzer(${name} read_as_${name} meshes.cpp pliant_mesh)
