@@ -36,7 +36,7 @@ _pliant() {
     'info') options='-h --help' words='' files='*.h5' ;;
     'report') options='-h --help --output --size --watch' words='' files='*.@(h5|xdmf)' ;;
     'render') options='-h --help -o --output --field --range --movie --fps --frame --view --size --scale --hide --transparent --title --frames --mesh-edges --outline' words='' files='*.@(h5|xdmf)' ;;
-    'plot') options='-h --help -o --output' words='' files='*' ;;
+    'plot') options='-h --help -o --output --of --x' words='' files='*' ;;
     'check') options='-h --help --set --html' words='' files='*.@(yaml|yml)' ;;
     'converge') options='-h --help --set --output --in --levels --methods --no-check' words='' files='*.@(yaml|yml)' ;;
     'modes') options='-h --help --set --output --number --near --unloaded' words='' files='*.@(yaml|yml)' ;;
@@ -57,7 +57,7 @@ _pliant() {
   esac
   # What follows an option that takes a value is that.
   case $previous in
-    --set | --output | --size | --watch | -o | --field | --range | --movie | --fps | --frame | --view | --scale | --hide | --transparent | --title | --html | --in | --levels | --methods | --number | --near | --result | --samples | --seed | --logarithmic | --jobs | --ranks | --of | --adjoint | --to | --fields | --kept-steps | --units | --stretch) options='' words='' files='' ;;
+    --set | --output | --size | --watch | -o | --field | --range | --movie | --fps | --frame | --view | --scale | --hide | --transparent | --title | --of | --x | --html | --in | --levels | --methods | --number | --near | --result | --samples | --seed | --logarithmic | --jobs | --ranks | --adjoint | --to | --fields | --kept-steps | --units | --stretch) options='' words='' files='' ;;
   esac
   case "$path $previous" in
     'run --output') files='*' ;;

@@ -17,7 +17,7 @@ constexpr int most_iterations = 40;
 constexpr double longest = 0.3;  // of F^-1 dF: a law with a barrier stays within it
 /// Newton's method ends with a step of this part of the strain: what is left is of the order of its square, rounding.
 constexpr double last_step = 1e-9;
-constexpr double least_strain = 1e-14;  // that is told from none
+constexpr double least_strain = 1e-14;  // that differs from none
 
 Tensor3<Pack> inverse(const Tensor3<Pack>& F) {
   return (1.0 / det(F)) * transpose(cofactor(F));
