@@ -47,17 +47,46 @@ struct Facet {
   auto key() const { return std::tie(corners, body); }
 };
 
-/// Facets that belong to one cell of their body, by cell.
+Vector3<double> position(const OutputMesh& mesh, Node node) {
+  const double* x = &mesh.coordinates[3 * static_cast<std::size_t>(node)];
+  return {x[0], x[1], x[2]};
+}
+
+/// Number of cells at each node; empty if there are no shells.
+std::vector<int> cells_at_nodes(const OutputMesh& mesh) {
+  if (mesh.shells.empty()) return {};
+  std::vector<int> number(static_cast<std::size_t>(mesh.global_num_nodes), 0);
+  for (const std::int64_t node : mesh.cells) ++number[static_cast<std::size_t>(node)];
+  return number;
+}
+
+/// The apex among the corners of a shell's cell: it belongs to no other cell, and is nearest to the middle.
+int apex_of(const OutputMesh& mesh, const std::int64_t* nodes, const std::vector<int>& cells_at) {
+  std::array<Vector3<double>, 4> x;
+  for (std::size_t k = 0; k < 4; ++k) x[k] = position(mesh, static_cast<Node>(nodes[k]));
+  const Vector3<double> sum = x[0] + x[1] + x[2] + x[3];
+  std::array<double, 4> distance;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const bool is_shared = cells_at[static_cast<std::size_t>(nodes[k])] > 1;
+    distance[k] = is_shared ? std::numeric_limits<double>::infinity() : norm(4.0 * x[k] - sum);
+  }
+  return static_cast<int>(std::ranges::min_element(distance) - distance.begin());
+}
+
+/// Facets that belong to one cell of their body, by cell; of shells their triangles.
 std::vector<Facet> outer_facets(const OutputMesh& mesh) {
   std::vector<Facet> all;
   all.reserve(4 * mesh.bodies.size());
   const std::vector<char> is_mass = are_among(mesh.masses, mesh), is_rod = are_among(mesh.rods, mesh),
-                          is_section = are_among(mesh.sections, mesh);
+                          is_section = are_among(mesh.sections, mesh), is_shell = are_among(mesh.shells, mesh);
+  const std::vector<int> cells_at = cells_at_nodes(mesh);
   for (std::size_t c = 0; c < mesh.bodies.size(); ++c) {
     const auto body = static_cast<std::size_t>(mesh.bodies[c]);
     if (is_mass[body] != 0 || is_rod[body] != 0 || is_section[body] != 0) continue;
     const std::int64_t* nodes = &mesh.cells[c * static_cast<std::size_t>(mesh.nodes_per_cell)];
+    const int apex = is_shell[body] != 0 ? apex_of(mesh, nodes, cells_at) : -1;
     for (int f = 0; f < 4; ++f) {
+      if (apex == facets[f][0] || apex == facets[f][1] || apex == facets[f][2]) continue;
       Facet facet{{}, mesh.bodies[c], 4 * static_cast<std::int64_t>(c) + f};
       for (int i = 0; i < 3; ++i) facet.corners[i] = static_cast<Node>(nodes[facets[f][i]]);
       std::ranges::sort(facet.corners);
@@ -98,11 +127,6 @@ SurfaceTriangles triangles_of(const OutputMesh& mesh, std::size_t most_divided) 
     }
   }
   return triangles;
-}
-
-Vector3<double> position(const OutputMesh& mesh, Node node) {
-  const double* x = &mesh.coordinates[3 * static_cast<std::size_t>(node)];
-  return {x[0], x[1], x[2]};
 }
 
 /// Unit normals; zero for a triangle without area.

@@ -131,7 +131,8 @@ OutputMesh ResultReader::mesh(const std::string& group) const {
   for (const auto& [name, list] : {std::pair{"masses", &result.masses},
                                    {"rods", &result.rods},
                                    {"rectangular_rods", &result.rectangular_rods},
-                                   {"sections", &result.sections}}) {
+                                   {"sections", &result.sections},
+                                   {"shells", &result.shells}}) {
     if (H5Aexists(body_of_cell.get(), name) > 0) *list = lines_of(text_attribute(body_of_cell.get(), name));
   }
   const auto is_known = [&](std::int64_t node) { return node >= 0 && node < result.global_num_nodes; };

@@ -125,6 +125,7 @@ void ResultWriter::write_mesh(const OutputMesh& mesh) const {
   if (!mesh.rods.empty()) names.emplace_back("rods", lines(mesh.rods));
   if (!mesh.rectangular_rods.empty()) names.emplace_back("rectangular_rods", lines(mesh.rectangular_rods));
   if (!mesh.sections.empty()) names.emplace_back("sections", lines(mesh.sections));
+  if (!mesh.shells.empty()) names.emplace_back("shells", lines(mesh.shells));
   Group group{"/", mesh_, [](hid_t) {}, {}};
   group.datasets = {{"coordinates", float64, nodes_, 3, std::as_bytes(std::span(mesh.coordinates)), {{"unit", "m"}}},
                     {"cells", int64, cells_, nodes_per_cell_, std::as_bytes(std::span(mesh.cells)), {}},

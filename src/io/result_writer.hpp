@@ -4,7 +4,8 @@
 ///   /mesh/coordinates       num_nodes x 3, reference positions X [m]
 ///   /mesh/cells             num_cells x 4 or 10, node numbers in VTK's order
 ///   /mesh/body, /mesh/rank  num_cells; attributes of body, one per line: `names`; `masses`, names of
-///                           rigid bodies with neither mesh nor surface, if there are any
+///                           rigid bodies with neither mesh nor surface, `rods`, `rectangular_rods`, `sections` and
+///                           `shells` (OutputMesh), if there are any
 ///   /frames/000000/...      attributes time [s], step, mesh (its group: "/mesh"; "/mesh_1" after a restart), label
 ///   (what
 ///                           is shown in place of the time, if it is none); a dataset per field, num_nodes or num_cells
@@ -63,6 +64,8 @@ struct OutputMesh {
   /// across the axis from its middle and at right angles. Those with a rectangular section, whose half sides they give;
   /// and names of their sections that are held, which are not drawn.
   std::vector<std::string> rods, rectangular_rods, sections;
+  /// Names of free shells. Each cell of one is a triangle with an apex near its middle; the triangle alone is drawn.
+  std::vector<std::string> shells;
 };
 
 enum class FieldLocation { node, cell };

@@ -275,8 +275,9 @@ void set_velocities_of_rigid_bodies(const Config& config, const NodeLayout& layo
       const Vector3<double> arm = Vector3<double>(layout.position(n)) - Vector3<double>(rigid.center);
       const auto turning = cross(Vector3<double>(rigid.angular_velocity), arm);
       for (std::size_t i = 0; i < 3; ++i) {
-        double& w = velocity[3 * n + static_cast<PetscInt>(i)];
-        w = (rigid.velocity ? (*rigid.velocity)[i] : w) + turning[i];
+        const auto [x, y, z] = layout.position(n);
+        const double of_center = rigid.velocity ? (*rigid.velocity)[i] : config.initial.velocity[i](x, y, z, 0.0);
+        velocity[3 * n + static_cast<PetscInt>(i)] = of_center + turning[i];
       }
     }
   }

@@ -120,14 +120,15 @@ std::vector<AttachedPoint> axis_of(const Rods& term, const NodeLayout& layout, s
   return points;
 }
 
-/// A director's point that a body holds.
+/// A point on a director's line that a body may hold: the director's own, or that on the other side of the segment.
 struct Director {
   std::size_t segment = 0, number = 0;
-  double stiffness = 0.0;  // [N/m]
+  double side = 1.0;       // 1 or -1
+  double stiffness = 0.0;  // of both sides [N/m]
   std::array<double, 3> place{};
 };
 
-/// Those of this rank's segments along curves in bodies.
+/// Those of this rank's segments along curves in bodies; the two sides of a director follow each other.
 std::vector<Director> bonded_directors(const BodiesOnMesh& bodies, std::span<const double> shear_moduli,
                                        const ModelRods& rods) {
   const NodeLayout& layout = bodies.layout;
@@ -152,8 +153,13 @@ std::vector<Director> bonded_directors(const BodiesOnMesh& bodies, std::span<con
         norm(Vector3<double>(layout.position(segment.nodes[1])) - Vector3<double>(layout.position(segment.nodes[0])));
     const double modulus = modulus_at[static_cast<std::size_t>(segment.nodes[0])];
     if (!(modulus > 0.0)) continue;
+    const Vector3<double> middle =
+        0.5 * (Vector3<double>(layout.position(segment.nodes[0])) + Vector3<double>(layout.position(segment.nodes[1])));
     for (std::size_t k = 0; k < 2; ++k) {
-      result.push_back({segment.number, k, modulus * length, layout.position(segment.nodes[2 + k])});
+      const Vector3<double> arm = Vector3<double>(layout.position(segment.nodes[2 + k])) - middle;
+      for (const double side : {1.0, -1.0}) {
+        result.push_back({segment.number, k, side, modulus * length, middle + side * arm});
+      }
     }
   }
   return result;
@@ -285,16 +291,21 @@ void add_bond(const BodiesOnMesh& bodies, std::span<const double> shear_moduli, 
   std::vector<LineSpring> springs;
   for (std::size_t k = 0; k < directors.size(); ++k) {
     if (held[k].distance > 0.0) continue;
+    const auto& [number, director, side, stiffness, place] = directors[k];
     AttachedPoint of_rod;
-    const auto segment = std::ranges::find(here, directors[k].segment, &Rods::SegmentNodes::number);
-    const PetscInt node = segment == here.end() ? layout.num_owned_nodes : segment->nodes[2 + directors[k].number];
-    if (node < layout.num_owned_nodes) {
-      of_rod.location.nodes = {node};
-      of_rod.location.weights = {1.0};
+    const auto segment = std::ranges::find(here, number, &Rods::SegmentNodes::number);
+    if (segment != here.end() && segment->nodes[2 + director] < layout.num_owned_nodes) {
+      const auto& [first, last, d_1, d_2] = segment->nodes;
+      const PetscInt node = director == 0 ? d_1 : d_2;
+      // The place on the other side is as far behind the middle as the director's point is before it.
+      of_rod.location.nodes = side > 0.0 ? std::vector<PetscInt>{node} : std::vector<PetscInt>{node, first, last};
+      of_rod.location.weights = side > 0.0 ? std::vector<double>{1.0} : std::vector<double>{-1.0, 1.0, 1.0};
     }
     points.push_back(std::move(of_rod));
     points.push_back({held[k], {}});
-    springs.push_back({directors[k].stiffness, 0.0, 0.0, false});
+    // One side alone does the work of both: at a face of the body the rest of the section is outside.
+    const bool is_alone = held[k % 2 == 0 ? k + 1 : k - 1].distance > 0.0;
+    springs.push_back({is_alone ? stiffness : 0.5 * stiffness, 0.0, 0.0, false});
   }
   if (!springs.empty()) rods.bond = std::make_unique<Springs>(layout, points, std::move(springs));
 }

@@ -76,15 +76,19 @@ bool is_on_one_machine() {
 }
 
 /// Initialises PETSc, and MPI with it. Ranks of one machine do not look for networks, and a process alone starts no
-/// daemon for processes that it might spawn: both took most of the time that a short run takes (0.25 of 0.35 s). What
-/// the user chose for Open MPI stays, and processes that this one starts see nothing of it.
+/// daemon for processes that it might spawn: both took most of the time that a short run takes (0.25 of 0.35 s). Nor
+/// does it make a directory for its session, which another process that ends might take away. What the user chose for
+/// Open MPI stays, and processes that this one starts see nothing of it.
 void initialise(int argc, char** argv) {
-  std::optional<Default> daemon, protocol, transports;
-  if (is_alone()) daemon.emplace("OMPI_MCA_ess_singleton_isolated", "1");
+  std::optional<Default> daemon, session, protocol, transports;
+  if (is_alone()) {
+    daemon.emplace("OMPI_MCA_ess_singleton_isolated", "1");
+    session.emplace("OMPI_MCA_orte_create_session_dirs", "0");
+  }
   if (is_on_one_machine() && std::getenv("OMPI_MCA_btl") == nullptr) {
     protocol.emplace("OMPI_MCA_pml", "ob1");
     if (const char* chosen = std::getenv("OMPI_MCA_pml"); std::string_view(chosen) == "ob1") {
-      transports.emplace("OMPI_MCA_btl", "self,vader");
+      transports.emplace("OMPI_MCA_btl", is_alone() ? "self" : "self,vader");
     }
   }
   check(PetscInitialize(&argc, &argv, nullptr, nullptr));

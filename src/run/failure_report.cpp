@@ -91,6 +91,13 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
   if (stage != nullptr && stage->lacks_memory) {
     return {"more memory per rank (fewer ranks on a machine, more machines), solver.linear: amg, a coarser mesh"};
   }
+  const auto is_changed = [](const NewtonIteration& it) { return it.hessian != NewtonIteration::Hessian::exact; };
+  if (report.has_load_steps && iterations != nullptr && std::ranges::any_of(*iterations, is_changed)) {
+    result.emplace_back(
+        "the stiffness is not positive definite, so there may be no equilibrium near by at this load: time.path "
+        "follows "
+        "the equilibria past a limit point, and a prescribed motion or a cavity's liquid holds what a force cannot");
+  }
   const bool is_whole = !report.worst_cells.empty() && report.worst_cells.front().volume_ratio > nearly_flat;
   if (stage != nullptr && stage->force_scale == 0.0 && is_whole) {
     result.push_back(

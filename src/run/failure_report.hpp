@@ -52,7 +52,8 @@ struct FailureReport {
   std::int64_t last_step = 0;  ///< completed
   double last_time = 0.0;      ///< its end [s]; in a static problem, the load factor
   int max_iterations = 0;
-  std::string shorter_steps;  ///< how to ask for shorter steps in the input
+  std::string shorter_steps;    ///< how to ask for shorter steps in the input
+  bool has_load_steps = false;  ///< of a static problem, not along a path
   std::vector<ReportedBody> bodies;
   std::vector<ReportedCell> worst_cells;  ///< the worst first, judged at the last iterate
   std::vector<ReportedNode> worst_nodes;  ///< likewise; empty if the stage is not known

@@ -50,6 +50,9 @@ OutputMesh output_mesh(const Config& config, const Model& model) {
     mesh.rods.push_back(rod.name);
     if (rod.section) mesh.rectangular_rods.push_back(rod.name);
   }
+  for (const ShellConfig& shell : config.shells) {
+    if (shell.is_free) mesh.shells.push_back(shell.name);
+  }
   mesh.sections = names_of_rods(config);
   std::erase_if(mesh.sections,
                 [&](const std::string& name) { return std::ranges::find(mesh.rods, name) != mesh.rods.end(); });

@@ -70,6 +70,44 @@ loads: [{gravity: [0, 0, -9.81]}]
         np.testing.assert_allclose(touching["cube_z"], alone["cube_z"], atol=1e-8)
         self.assertLess(alone["cube_z"][-1], 1.2 - 0.01)
 
+    def test_the_start_moves_all_bodies(self):
+        # Shifted and thrown as a whole, with a rigid body that it holds and one that it touches: nothing is strained.
+        write_box(self.directory / "box.msh", (1, 1, 1))
+        write_cube(self.directory / "lid.stl", (0, 0, 1.05), (1, 1, 1.2))
+        h = self.solve("""mesh: {file: box.msh}
+bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 100 kPa, poissons_ratio: 0.3}}]
+rigid_bodies:
+  - {name: held, mass: 1, inertia: [1, 1, 1], center: [0.5, 0.5, -0.5], attached: [bottom]}
+  - {name: lid, mass: 1, inertia: [1, 1, 1], center: [0.5, 0.5, 1.1], surface: {file: lid.stl}}
+contact: {law: barrier, pairs: all, width: 0.01}
+initial: {displacement: [2, 1, 3], velocity: [1, 0, 0]}
+""", "method: bdf2, step: 1 ms, end: 3 ms")
+        self.assertLess(h["elastic_energy"].max(), 1e-15)
+        for name, z in (("held", 2.5), ("lid", 4.1)):
+            np.testing.assert_allclose([h[f"{name}_{k}"][0] for k in "xyz"], [2.5, 1.5, z], atol=1e-12)
+            np.testing.assert_allclose(h[f"{name}_vx"], 1, atol=1e-9)
+
+    def test_parts_that_fit_exactly_are_attached(self):
+        # Nodes that coincide are those of both parts, as in a mesh of gmsh without BooleanFragments.
+        self.write("stack.geo", """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 1, 1, 1};
+Box(2) = {0, 0, 1, 1, 1, 0.5};
+Physical Volume("soft") = {1};
+Physical Volume("palm") = {2};
+Physical Surface("bottom") = {5};
+Physical Surface("top") = {6};
+Mesh.MeshSizeMin = 0.6;
+Mesh.MeshSizeMax = 0.6;
+""")
+        h = self.solve("""mesh: {file: stack.geo}
+bodies:
+  - {volume: soft, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 100 kPa, poissons_ratio: 0.3}}
+  - {volume: palm, density: 2000, rigid: true, attached: [top]}
+constraints: [{surface: bottom, displacement: [0, 0, 0]}]
+loads: [{gravity: [0, 0, -9.81]}]
+""", "method: static")
+        np.testing.assert_allclose(h["bottom_fz"][-1], 2000 * 9.81, rtol=1e-6)
+
     def test_a_point_of_reference_bends_a_beam(self):
         # A moment at the end of a beam: it turns by M L / (E I), whatever the material point of the torque is.
         write_box(self.directory / "beam.msh", (16, 2, 2), (0.1, 0.01, 0.01))

@@ -226,6 +226,10 @@ probes: [{name: tip, point: [0.1, 0.01, 0.01]}]
         for other in others:
             np.testing.assert_allclose(other["tip_z"], one["tip_z"], rtol=1e-6)
         self.assertLess(abs(one["tip_z"] - 0.01), 0.02 * abs(self.end_of(soft + bent)["tip_z"] - 0.01))
+        # A ribbon on an edge, of which a quarter is inside, whatever the signs of its axes.
+        ribbon = text.replace("CURVE, radius: 0.5 mm", "edge, start: ground, section: {width: 4 mm, height: 1 mm, up: UP}")
+        ups = [self.end_of(ribbon.replace("UP", up) + bent)["tip_z"] for up in ("[0, 0, 1]", "[0, 0, -1]")]
+        self.assertAlmostEqual(ups[0], ups[1], delta=1e-6 * abs(ups[0] - 0.01))
         # Until it is loaded, nothing moves: the frames are at rest to the last digit.
         late = bent.replace("-0.1]", '"-0.1*max(0, t-0.02)"]')
         for time in ("method: static", "method: quasistatic, step: 10 ms, end: 30 ms", "method: bdf2, step: 10 ms, end: 30 ms"):

@@ -38,77 +38,79 @@ class BorderedSystems : public testing::Test {
                                    test::write_body(f, {1, Shape::jittered, 4});
                                  }),
                     1, 1};
-  std::unique_ptr<EnergyTerm> elastic = solid.elastic(make_law("neo-hookean", 1e6, 0.3));
-  std::unique_ptr<EnergyTerm> inertia = solid.inertia(1000.0, Mass::consistent);
-  IncrementalPotential potential{
-      solid.layout(), solid.pattern(), {elastic.get(), inertia.get()}, solid.nothing_prescribed()};
-  TestStage stage{solid, 0.0, 0.1};
-  Handle<Mat> K;
-  Handle<KSP> ksp;
-  std::vector<PetscInt> border;  // the nodes that rank 0 and the last rank own first
+  std::unique_ptr<EnergyTerm> elastic_ = solid.elastic(make_law("neo-hookean", 1e6, 0.3));
+  std::unique_ptr<EnergyTerm> inertia_ = solid.inertia(1000.0, Mass::consistent);
+  IncrementalPotential potential_{
+      solid.layout(), solid.pattern(), {elastic_.get(), inertia_.get()}, solid.nothing_prescribed()};
+  TestStage stage_{solid, 0.0, 0.1};
+  Handle<Mat> matrix_;
+  Handle<KSP> ksp_;
+  std::vector<PetscInt> border_;  // the nodes that rank 0 and the last rank own first
 
   void SetUp() override {
-    potential.begin_stage(stage.point);
-    K = potential.make_hessian();
-    for (const MatOption is : {MAT_SYMMETRIC, MAT_SYMMETRY_ETERNAL}) check(MatSetOption(K.get(), is, PETSC_FALSE));
-    potential.hessian(stage.q0.get(), K.get(), Projection::none);
-    check(KSPCreate(comm, ksp.out()));
+    potential_.begin_stage(stage_.point);
+    matrix_ = potential_.make_hessian();
+    for (const MatOption is : {MAT_SYMMETRIC, MAT_SYMMETRY_ETERNAL})
+      check(MatSetOption(matrix_.get(), is, PETSC_FALSE));
+    potential_.hessian(stage_.q0.get(), matrix_.get(), Projection::none);
+    check(KSPCreate(comm, ksp_.out()));
     const auto last_first = 3 * (solid.layout().num_global_nodes - 1);
-    border = {0, 1, 2, 3, 4, 5, last_first, last_first + 1, last_first + 2};
+    border_ = {0, 1, 2, 3, 4, 5, last_first, last_first + 1, last_first + 2};
   }
 
   /// Iterations that the present system takes, whose solution is compared with the right-hand side.
   PetscInt iterations() {
     const auto b = solid.vector(test::rough_field(1.0, 1));
-    const Handle<Vec> x = potential.make_vector(), Kx = potential.make_vector();
-    check(KSPSolve(ksp.get(), b.get(), x.get()));
-    check(MatMult(K.get(), x.get(), Kx.get()));
+    const Handle<Vec> x = potential_.make_vector(), Kx = potential_.make_vector();
+    check(KSPSolve(ksp_.get(), b.get(), x.get()));
+    check(MatMult(matrix_.get(), x.get(), Kx.get()));
     EXPECT_LE(test::distance(Kx.get(), b.get()), 2e-9 * test::norm(b.get()));
     PetscInt number = 0;
-    check(KSPGetIterationNumber(ksp.get(), &number));
+    check(KSPGetIterationNumber(ksp_.get(), &number));
     return number;
   }
 };
 
 // Neither the asymmetry nor later changes of the border cost iterations: with the factor of the rest, two or three.
 TEST_F(BorderedSystems, AreSolvedAsFastAsTheRest) {
-  configure_linear_solver(ksp.get(), K.get(), LinearKind::cholesky, Symmetry::nearly_symmetric);
-  check(KSPSetTolerances(ksp.get(), 1e-9, PETSC_DEFAULT, PETSC_DEFAULT, 100));
+  configure_linear_solver(ksp_.get(), matrix_.get(), LinearKind::cholesky, Symmetry::nearly_symmetric);
+  check(KSPSetTolerances(ksp_.get(), 1e-9, PETSC_DEFAULT, PETSC_DEFAULT, 100));
   PC inner = nullptr;
-  check(KSPGetPC(ksp.get(), &inner));
-  check(MatDiagonalScale(K.get(), ones_but(K.get(), border, 3.0).get(), nullptr));
-  BorderedSystem system(ksp.get(), K.get(), border, solid.nothing_prescribed(), nullptr);
-  ASSERT_EQ(set_up_preconditioner(inner, system.inner_matrix(K.get())), SetUp::sound);
-  system.set_up(K.get());
-  system.follow(K.get(), {});
+  check(KSPGetPC(ksp_.get(), &inner));
+  check(MatDiagonalScale(matrix_.get(), ones_but(matrix_.get(), border_, 3.0).get(), nullptr));
+  BorderedSystem system(ksp_.get(), matrix_.get(), border_, solid.nothing_prescribed(), nullptr);
+  ASSERT_EQ(set_up_preconditioner(inner, system.inner_matrix(matrix_.get())), SetUp::sound);
+  system.set_up(matrix_.get());
+  system.follow(matrix_.get(), {});
   EXPECT_LE(iterations(), 3);
-  check(MatDiagonalScale(K.get(), ones_but(K.get(), border, -0.2).get(), ones_but(K.get(), border, 7.0).get()));
-  system.follow(K.get(), {});
+  check(MatDiagonalScale(matrix_.get(), ones_but(matrix_.get(), border_, -0.2).get(),
+                         ones_but(matrix_.get(), border_, 7.0).get()));
+  system.follow(matrix_.get(), {});
   EXPECT_LE(iterations(), 3);
 }
 
 // A rank-one term of the border alone is a part of its block.
 TEST_F(BorderedSystems, TakeRankOneTermsOfTheBorder) {
-  configure_linear_solver(ksp.get(), K.get(), LinearKind::cholesky, Symmetry::nearly_symmetric);
-  check(KSPSetTolerances(ksp.get(), 1e-9, PETSC_DEFAULT, PETSC_DEFAULT, 100));
+  configure_linear_solver(ksp_.get(), matrix_.get(), LinearKind::cholesky, Symmetry::nearly_symmetric);
+  check(KSPSetTolerances(ksp_.get(), 1e-9, PETSC_DEFAULT, PETSC_DEFAULT, 100));
   PC inner = nullptr;
-  check(KSPGetPC(ksp.get(), &inner));
+  check(KSPGetPC(ksp_.get(), &inner));
   std::vector<RankOne> parts(1);
   parts[0].c = 1e12;
-  parts[0].g = ones_but(K.get(), border, 2.0);
+  parts[0].g = ones_but(matrix_.get(), border_, 2.0);
   check(VecShift(parts[0].g.get(), -1.0));
-  RankOneSystem rank_one(ksp.get(), K.get(), parts);
-  BorderedSystem system(ksp.get(), K.get(), border, solid.nothing_prescribed(), nullptr);
-  ASSERT_EQ(set_up_preconditioner(inner, system.inner_matrix(K.get())), SetUp::sound);
+  RankOneSystem rank_one(ksp_.get(), matrix_.get(), parts);
+  BorderedSystem system(ksp_.get(), matrix_.get(), border_, solid.nothing_prescribed(), nullptr);
+  ASSERT_EQ(set_up_preconditioner(inner, system.inner_matrix(matrix_.get())), SetUp::sound);
   ASSERT_TRUE(rank_one.set_up([&](Vec x) { system.clear_border(x); }));
-  check(KSPSetOperators(ksp.get(), rank_one.matrix(), K.get()));
-  system.set_up(K.get());
-  system.follow(K.get(), parts);
+  check(KSPSetOperators(ksp_.get(), rank_one.matrix(), matrix_.get()));
+  system.set_up(matrix_.get());
+  system.follow(matrix_.get(), parts);
   const auto b = solid.vector(test::rough_field(1.0, 1));
-  const Handle<Vec> x = potential.make_vector();
-  check(KSPSolve(ksp.get(), b.get(), x.get()));
+  const Handle<Vec> x = potential_.make_vector();
+  check(KSPSolve(ksp_.get(), b.get(), x.get()));
   PetscInt number = 0;
-  check(KSPGetIterationNumber(ksp.get(), &number));
+  check(KSPGetIterationNumber(ksp_.get(), &number));
   EXPECT_LE(number, 3);
 }
 

@@ -30,6 +30,7 @@ class Valley final : public test::SmallEquation {
     const double x = free_entry(q);
     return x < barrier ? 0.5 * (x - minimum) * (x - minimum) : infinity;
   }
+  bool has_walls() const override { return std::isfinite(wall); }
   double max_step_to_wall(Vec q, Vec d) override {
     const double room = wall - free_entry(q), step = free_entry(d);
     return step > room ? room / step : infinity;

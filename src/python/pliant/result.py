@@ -25,6 +25,8 @@ class Mesh:
     #: Rods, whose cells are slim tetrahedra along the axis, and their sections that are held.
     rods: "list[str]" = dataclasses.field(default_factory=list)
     sections: "list[str]" = dataclasses.field(default_factory=list)
+    #: Free shells, whose cells are triangles, each with an apex near its middle.
+    shells: "list[str]" = dataclasses.field(default_factory=list)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -302,7 +304,7 @@ class Result(Sequence[Frame]):
         """Of all frames, unless the run was resumed: `Frame.mesh` is that of a frame."""
         if group not in self._meshes:
             given = self.h5[group]
-            names, *others = (text(given["body"].attrs.get(key, "")).split("\n") for key in ("names", "masses", "rods", "sections"))
+            names, *others = (text(given["body"].attrs.get(key, "")).split("\n") for key in ("names", "masses", "rods", "sections", "shells"))
             self._meshes[group] = Mesh(given["coordinates"][()], given["cells"][()], given["body"][()], names,
                                        *(other if other[0] else [] for other in others))
         return self._meshes[group]

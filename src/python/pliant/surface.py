@@ -8,12 +8,15 @@ from .result import Mesh
 # The faces of a tetrahedron, seen from outside counterclockwise: corners, then the nodes on the sides 01, 12, 20.
 _FACES = np.array([[0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [2, 0, 3, 6, 7, 9], [0, 2, 1, 6, 5, 4]])
 
+_OPPOSITE = np.array([1, 2, 0, 3])  # the face that does not have this corner
+
 
 class Surface:
     """The outer faces of a mesh, or of some of its cells, each divided into `divisions`^2 triangles, with points shared between
     neighbours.
 
     A body that is only a mass (`Mesh.masses`) is the ellipsoid with its moments of inertia. Rods (`Mesh.rods`) have no surface.
+    Free shells (`Mesh.shells`) are their triangles, which are seen from both sides.
 
     Everything is topology: `positions`, `of_nodes` and `of_cells` turn nodal and cell values into values at the points, for any
     frame.
@@ -29,7 +32,8 @@ class Surface:
         quadratic = mesh.cells.shape[1] == 10
         is_mass, is_rod = (np.isin(np.array(mesh.body_names), names)[mesh.body[self._cells]] for names in (mesh.masses, mesh.rods + mesh.sections))
         of_mesh, masses = self._cells[~(is_mass | is_rod)], self._cells[is_mass]
-        faces, cell = self._outer_faces(mesh.cells[of_mesh])
+        is_shell = np.isin(np.array(mesh.body_names), mesh.shells)[mesh.body[of_mesh]]
+        faces, cell = self._outer_faces(mesh.cells[of_mesh], is_shell)
         self.cell_of_face = of_mesh[cell]
         if divisions is None:
             divisions = 1 if not quadratic else 4 if len(faces) < 40_000 else 2
@@ -38,12 +42,22 @@ class Surface:
         if len(masses) > 0:
             self._add_ellipsoids(masses)
 
-    def _outer_faces(self, cells: np.ndarray) -> "tuple[np.ndarray, np.ndarray]":
+    def _outer_faces(self, cells: np.ndarray, is_shell: np.ndarray) -> "tuple[np.ndarray, np.ndarray]":
         corners = cells[:, _FACES[:, :3]].reshape(-1, 3)
         names = self._label[corners].sum(axis=1, dtype=np.uint64)
         _, first, count = np.unique(names, return_index=True, return_counts=True)
         outer = np.sort(first[count == 1])
         cell, face = np.divmod(outer, 4)
+        # The apex of a shell's cell belongs to no other cell and is nearest to the middle; the triangle lies opposite to it.
+        of_shells = cells[is_shell, :4]
+        places = self._mesh.coordinates[of_shells]
+        distance = np.linalg.norm(places - places.mean(axis=1, keepdims=True), axis=2)
+        num_cells = np.bincount(self._mesh.cells[:, :4].ravel(), minlength=len(self._mesh.coordinates))
+        apex = np.where(num_cells[of_shells] == 1, distance, np.inf).argmin(axis=1)
+        opposite = np.full(len(cells), -1)
+        opposite[is_shell] = _OPPOSITE[apex]
+        drawn = ~is_shell[cell] | (face == opposite[cell])
+        cell, face = cell[drawn], face[drawn]
         width = 6 if cells.shape[1] == 10 else 3
         return cells[cell[:, None], _FACES[face][:, :width]], cell
 
