@@ -18,8 +18,9 @@ namespace {
 
 /// Thinnest tetrahedron of a body that is flat or thin, relative to its length.
 constexpr double flattest = 0.3;
-/// Half the length of a body that has no moments of inertia, a mass point [m].
-constexpr double size_of_point = 0.1;
+/// Half the length of a body that has no moments of inertia, a mass point: at most [m], in units of a mesh, and
+/// relative to what the input says of a model without a mesh.
+constexpr double largest_point = 0.1, point_in_units_of_mesh = 5.0, point_of_extent = 0.03;
 /// The relative difference in size of the tetrahedra of two bodies that follow each other.
 constexpr double difference_of_sizes = 1.37e-4;
 
@@ -33,18 +34,28 @@ Tensor3<double> second_moment(const RigidBodyConfig& body) {
   return add_to_diagonal(-1.0 * J, 0.5 * trace(J));
 }
 
+double size_of_point(const Config& config) {
+  if (!config.mesh.file.value.empty()) return std::min(largest_point, point_in_units_of_mesh * config.mesh.scale);
+  std::vector<std::array<double, 3>> points;
+  for (const RigidBodyConfig& body : config.rigid_bodies) points.push_back(body.center);
+  for (const RodConfig& rod : config.rods) points.insert(points.end(), rod.points.begin(), rod.points.end());
+  double extent = 0.0;
+  for (const auto& X : points) extent = std::max(extent, norm(Vector3<double>(X) - Vector3<double>(points.front())));
+  return extent > 0.0 ? std::min(largest_point, point_of_extent * extent) : largest_point;
+}
+
 /// Half the edges of the cube in which the tetrahedron of the body of this number is inscribed, along the principal
 /// axes; about the same second moments as the body, where that is not too thin: those of the tetrahedron are m s^2 / 5.
 /// No two are equal, so that their corners do not coincide.
-Vector3<double> half_edges(const RigidBodyConfig& body, const EigenDecomposition<double>& principal,
-                           std::size_t number) {
+Vector3<double> half_edges(const RigidBodyConfig& body, const EigenDecomposition<double>& principal, std::size_t number,
+                           double of_point) {
   Vector3<double> s{};
   for (std::size_t i = 0; i < 3 && body.mass > 0.0; ++i) {
     s[i] = std::sqrt(5.0 * std::max(principal.values[i], 0.0) / body.mass);
   }
   const double longest = std::ranges::max(s);
   for (double& x : s) {
-    x = longest > 0.0 ? std::max(x, flattest * longest) : size_of_point;
+    x = longest > 0.0 ? std::max(x, flattest * longest) : of_point;
     x *= 1.0 + difference_of_sizes * static_cast<double>(number + 1);
   }
   return s;
@@ -133,10 +144,11 @@ Config with_rigid_bodies(Config config) {
 
 std::vector<AddedTetrahedron> added_tetrahedra(const Config& config) {
   std::vector<AddedTetrahedron> result;
+  const double of_point = size_of_point(config);
   for (const RigidBodyConfig& body : config.rigid_bodies) {
     if (body.surface) continue;
     const auto principal = eigen_decomposition(second_moment(body));
-    const Vector3<double> s = half_edges(body, principal, result.size());
+    const Vector3<double> s = half_edges(body, principal, result.size(), of_point);
     constexpr std::array<std::array<double, 3>, 4> corners{
         {{1.0, 1.0, 1.0}, {1.0, -1.0, -1.0}, {-1.0, 1.0, -1.0}, {-1.0, -1.0, 1.0}}};
     AddedTetrahedron& tetrahedron = result.emplace_back();
