@@ -33,7 +33,8 @@ class Renderer:
                     if chosen.any():
                         scene.add_obstacles(obstacles.triangles[chosen], opacity)
             if shown.mechanisms(frame) is not None:
-                scene.add_mechanisms(np.linalg.norm(np.ptp(shown.bodies, axis=0)))
+                everything = np.concatenate([shown.bodies, *shown.mechanism_clouds()])
+                scene.add_mechanisms(np.linalg.norm(np.ptp(everything, axis=0)))
             if self._options.outline:
                 for shell in shells:
                     scene.add_outline(shown.reference(shell, frame), shell.surface.triangles)
