@@ -11,6 +11,7 @@ from shell_meshes import write_ball, write_patch
 
 sys.path.insert(0, str(ROOT / "src/python"))
 
+from pliant import Surface  # noqa: E402
 from pliant.result import Result  # noqa: E402
 
 LAW = "elasticity: {model: saint-venant-kirchhoff, youngs_modulus: %g, poissons_ratio: %g}"
@@ -225,6 +226,11 @@ constraints:
         resumed = read_history(self.directory / "part")
         for name in ("kinetic_energy", "elastic_energy", "tip_z"):
             np.testing.assert_allclose(resumed[name][-1], one[name][-1], rtol=1e-6, atol=1e-9, err_msg=name)
+        mesh = Result(self.directory / "out").mesh()
+        surface = Surface(mesh)
+        self.assertEqual(len(surface.triangles), 6 * 3 * 2)  # those of the shell, without the sides of its cells
+        a, b, c = (surface.of_nodes(mesh.coordinates)[surface.triangles[:, k]] for k in range(3))
+        self.assertAlmostEqual(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum(), 0.4, places=9)
 
     def test_a_shell_on_a_block(self):
         # A sheet in the extension of a block's side, joined by shared nodes: both carry the same force.

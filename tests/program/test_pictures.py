@@ -38,6 +38,10 @@ class Pictures(ProgramTest):
         self.assertEqual(done.stdout, f"{self.out}/history.png\n")
         with Image.open(self.out / "history.png") as picture:
             self.assertGreater(len(np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0)), 100)
+        self.pliant("plot", "out", "--of", "kinetic_energy,elastic_energy", "--x", "dt", "--output", "chosen.svg")
+        drawn = (self.directory / "chosen.svg").read_text()
+        for words in ("<!-- kinetic_energy -->", "<!-- elastic_energy -->", "<!-- dt [s] -->", "<!-- [J] -->"):
+            self.assertIn(words, drawn)
 
     def fails(self, status, words, *arguments, ranks=1, environment=None):
         done = self.call(*arguments, ranks=ranks, environment=environment)
@@ -57,6 +61,8 @@ class Pictures(ProgramTest):
         self.fails(2, "plot.xyz: the name must end in one of", "plot", "out", "--output", "plot.xyz")
         self.fails(4, "^pliant plot: .*missing/a.png: No such file", "plot", "out", "--output", "missing/a.png")
         self.fails(2, "start it without mpirun", "plot", "out", ranks=2)
+        self.fails(2, "--of kinetic_energi: the history has no such column; did you mean 'kinetic_energy'", "plot", "out", "--of", "kinetic_energi")
+        self.fails(2, "--x needs the columns", "plot", "out", "--x", "time")
 
     def test_what_is_missing(self):
         synthetic.write_result(self.out, num_frames=1, order=1, cubes=(2, 1, 1))

@@ -269,6 +269,13 @@ probes: [{{name: tip, point: [0.1, 0.01, 0.01]}}]
         self.assertLess(change[1], 0.15 * change[0])
         self.assertLess(change[2], 5e-4 * tips[-1])
 
+    def test_a_rod_alone_is_drawn(self):
+        self.solve("""rods: [{name: wire, points: [[0, 0, 0], [1, 0, 0]], segments: 4, radius: 5 mm, youngs_modulus: 1 GPa, poissons_ratio: 0.3, density: 1000, start: ground}]
+loads: [{gravity: [0, 0, -9.81]}]
+""", "method: bdf2, step: 5 ms, end: 0.01")
+        self.pliant("render", "out", "--size=320x240", "--output", "rods.png")
+        self.assertIn("--scale 1 only", self.pliant("render", "out", "--scale", 2, status=2).stderr)
+
     def test_results(self):
         self.solve(JOINED, "method: bdf2, step: 5 ms, end: 0.01", 2)
         result = pliant.Result(self.directory / "out")
