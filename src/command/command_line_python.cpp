@@ -84,10 +84,10 @@ void CommandLine::add_plot() {
                     {"RUN", "the output directory of a run, or its history.csv"});
   plot.footer(examples({"pliant plot out/beam", "pliant plot out/beam --output beam.pdf",
                         "pliant plot out/finger --of chamber_pressure --x chamber_volume"}));
-  add(plot,
-      {{"-o,--output", "FILE", "file to write (.png, .pdf, .svg); default: history.png in the output directory"},
-       {"--of", "COLUMN,...", "columns of the history to draw instead; those of one unit together"},
-       {"--x", "COLUMN", "the column to draw those over, instead of time: pressure over volume, force over way"}});
+  add(plot, {{"-o,--output", "FILE", "file to write (.png, .pdf, .svg); default: history.png in the output directory"},
+             {"--of", "COLUMN,...", "columns of the history to draw instead; those of one unit together"},
+             {"--x", "COLUMN",
+              "the column to draw those over, instead of time: pressure over volume, force over displacement"}});
 }
 
 void CommandLine::add_convert() {

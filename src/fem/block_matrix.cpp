@@ -99,7 +99,6 @@ Handle<Mat> make_matrix(const NodeLayout& layout, const BlockPattern& pattern) {
   return matrix;
 }
 
-// NOLINTNEXTLINE(performance-unnecessary-value-param): what the modes hold is changed
 std::vector<Handle<Vec>> rigid_body_modes(const NodeLayout& layout, std::span<const char> prescribed,
                                           std::span<const double> displacements) {
   std::vector<Handle<Vec>> modes(6);

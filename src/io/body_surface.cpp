@@ -52,7 +52,7 @@ Vector3<double> position(const OutputMesh& mesh, Node node) {
   return {x[0], x[1], x[2]};
 }
 
-/// Number of cells at each node; empty if there are no shells.
+/// Number of cells at each node; empty for a mesh without shells.
 std::vector<int> cells_at_nodes(const OutputMesh& mesh) {
   if (mesh.shells.empty()) return {};
   std::vector<int> number(static_cast<std::size_t>(mesh.global_num_nodes), 0);

@@ -30,10 +30,9 @@ std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num
   std::vector<double> area(num_bodies, 0.0), number(num_bodies, 0.0), size(num_bodies, 0.0);
   for (const auto& triangle : surface.triangles()) {
     area[triangle.body] += triangle.area;
-    number[triangle.body] += 1.0;
+    number[triangle.body] += triangle.is_segment() ? 1.0 : 1.0 / triangles_per_facet;
   }
-  for (std::size_t b = 0; b < num_bodies; ++b)
-    size[b] = number[b] > 0.0 ? std::sqrt(2.0 * area[b] / number[b] * triangles_per_facet) : 0.0;
+  for (std::size_t b = 0; b < num_bodies; ++b) size[b] = number[b] > 0.0 ? std::sqrt(2.0 * area[b] / number[b]) : 0.0;
   return size;
 }
 

@@ -101,8 +101,7 @@ FieldRegion region_of(const Config& config, const NodeLayout& layout, const std:
 
 std::vector<FieldRegion> find_field_regions(const Config& config, const NodeLayout& layout,
                                             const std::vector<int>& body_of_cell, Selections& selections) {
-  std::vector<char> left_out;
-  for (const int body : body_of_cell) left_out.push_back(stands_for_body(config, body) ? 1 : 0);
+  const std::vector<char> left_out = cells_without_mesh(config, body_of_cell);
   std::vector<FieldRegion> regions;
   for (const FieldColumnConfig& column : config.output.history) {
     const FieldOwner owner = field_component(column.of.value)->field.owner;

@@ -51,8 +51,9 @@ class LoadTerms {
   /// The weight of shells, on which gravity acts where it acts on all bodies, and of a free one by its name.
   Term weight_of_shell(const LoadConfig& load, const ModelShell& shell) const {
     const auto* gravity = std::get_if<LoadConfig::Gravity>(&load.kind);
-    const bool is_meant = load.part.kind == Selection::Kind::everything ||
-                          (load.part.kind == Selection::Kind::volume && load.part.name == shell.name);
+    const bool is_free = std::ranges::find(config_.shells, shell.name, &ShellConfig::name)->is_free;
+    const bool is_named = load.part.kind == Selection::Kind::volume && load.part.name == shell.name;
+    const bool is_meant = load.part.kind == Selection::Kind::everything || (is_free && is_named);
     if (gravity == nullptr || !is_meant || shell.mass_per_area == 0.0) return nullptr;
     const NodeLayout& layout = bodies_.layout;
     if (config_.mass == MassKind::lumped) {

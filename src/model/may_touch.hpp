@@ -12,8 +12,9 @@ struct MayTouch {
   FacetList obstacles;                       ///< facets and segments that may touch obstacles
   std::vector<TouchingSurfaces> each_other;  ///< of each entry of `contact.pairs`
 
-  /// The shear moduli that contact goes by: `shear_moduli` of the bodies, and those of rods [Pa].
-  std::vector<double> moduli(const std::vector<double>& shear_moduli) const;
+  /// The shear moduli that contact goes by: `shear_moduli` of the bodies, those of rods, and of rigid bodies that of
+  /// the stiffest other one [Pa].
+  std::vector<double> moduli(const Config& config, const std::vector<double>& shear_moduli) const;
 };
 
 /// `config`: completed, with contact. What is wrong stands in `selections` afterwards. The config outlives the result.

@@ -61,6 +61,14 @@ Vector3<double> half_edges(const RigidBodyConfig& body, const EigenDecomposition
   return s;
 }
 
+/// Where a place of the mesh is at the start.
+Vector3<double> at_start(const Config& config, const std::array<double, 3>& X) {
+  const auto& [x, y, z] = X;
+  Vector3<double> place = X;
+  for (std::size_t i = 0; i < 3; ++i) place[i] += config.initial.displacement[i](x, y, z, 0.0);
+  return place;
+}
+
 Selection part_named(Selection::Kind kind, const std::string& name, const Location& where) {
   Selection part;
   part.kind = kind;
@@ -248,8 +256,6 @@ std::vector<char> components_of_rigid_bodies(const Config& config, const NodeLay
 }
 
 std::vector<char> cells_without_mesh(const Config& config, const std::vector<int>& body_of_cell) {
-  const bool has_none = config.rigid_bodies.empty() && config.rods.empty() && !has_free_shells(config);
-  if (has_none || all_stand_for_bodies(config)) return {};
   std::vector<char> result;
   for (const int body : body_of_cell) result.push_back(stands_for_body(config, body) ? 1 : 0);
   return result;
@@ -284,7 +290,7 @@ void set_velocities_of_rigid_bodies(const Config& config, const NodeLayout& layo
     const RigidBodyConfig& rigid = config.rigid_bodies[static_cast<std::size_t>(body - first)];
     for (const PetscInt n : layout.nodes_of_cell(c)) {
       if (n >= layout.num_owned_nodes) continue;
-      const Vector3<double> arm = Vector3<double>(layout.position(n)) - Vector3<double>(rigid.center);
+      const Vector3<double> arm = at_start(config, layout.position(n)) - at_start(config, rigid.center);
       const auto turning = cross(Vector3<double>(rigid.angular_velocity), arm);
       for (std::size_t i = 0; i < 3; ++i) {
         const auto [x, y, z] = layout.position(n);

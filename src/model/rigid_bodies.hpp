@@ -44,7 +44,7 @@ std::vector<char> components_of_rigid_bodies(const Config& config, const NodeLay
 
 /// Whether cells of a body of the completed input are tetrahedra in its place: those of rods, too.
 bool stands_for_body(const Config& config, int body);
-/// One flag per local cell: whether it stands for a body without a mesh; empty if none does, or all do.
+/// One flag per local cell: whether it stands for a body without a mesh.
 std::vector<char> cells_without_mesh(const Config& config, const std::vector<int>& body_of_cell);
 /// The same without rods that do not follow a curve of the mesh: places of the input may be in them.
 std::vector<char> cells_without_places(const Config& config, const std::vector<int>& body_of_cell);

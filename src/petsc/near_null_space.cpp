@@ -2,6 +2,7 @@
 
 namespace pliant {
 
+// NOLINTNEXTLINE(performance-unnecessary-value-param): what the modes hold is changed
 Handle<MatNullSpace> near_null_space(MPI_Comm comm, std::vector<Handle<Vec>> modes) {
   // Modified Gram-Schmidt; modes that nothing is left of are dropped.
   std::vector<Vec> kept;

@@ -48,9 +48,10 @@ class ArcAdvance final : public Advance {
   std::unique_ptr<PathSolver> solver_;
   PathFinding finding_;
   double length_ = 0.0;
-  bool has_earlier_ = false;                 // an accepted state before the last one
-  int doubtful_attempts_ = 0;                // since the last accepted state
-  std::optional<PetscInt> unstable_before_;  // unstable modes of the last accepted state, if they are known
+  bool has_earlier_ = false;   // an accepted state before the last one
+  int doubtful_attempts_ = 0;  // since the last accepted state
+  /// Unstable modes of the last accepted state, if they are known; none without loads.
+  std::optional<PetscInt> unstable_before_ = 0;
 };
 
 }  // namespace pliant

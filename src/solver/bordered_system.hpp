@@ -90,7 +90,7 @@ class BorderedSystem {
   std::vector<Entry> B_, C_, D_;
   Handle<VecScatter> scatter_;
   Handle<Vec> needed_;  // entries of a vector that meet those of C, on this rank
-  // Of the last set-up: B V and Z; and rotated with the nodes.
+  // B V and Z of the last set-up, and the same rotated with the nodes.
   std::vector<Handle<Vec>> directions_, solutions_, rotated_directions_, rotated_solutions_;
   Matrix T_;
   double part_of_rest_ = 1.0;

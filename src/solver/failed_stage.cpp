@@ -1,6 +1,7 @@
 #include "solver/failed_stage.hpp"
 
 #include "petsc/array_view.hpp"
+#include "petsc/copy_of.hpp"
 #include "solver/objective.hpp"
 
 #include <algorithm>
@@ -20,13 +21,6 @@ Handle<Vec> part_of_displacements(Vec unknowns, Vec displacements) {
   const ArrayView to(part.get());
   std::copy_n(from.span().begin(), to.span().size(), to.span().begin());
   return part;
-}
-
-Handle<Vec> copy_of(Vec x) {
-  Handle<Vec> copy;
-  check(VecDuplicate(x, copy.out()));
-  check(VecCopy(x, copy.get()));
-  return copy;
 }
 
 }  // namespace

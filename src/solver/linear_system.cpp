@@ -282,7 +282,7 @@ bool LinearSystem::escalate(Vec q) {
 FactorPolicy::Factored LinearSystem::what_is_factored() const {
   using enum FactorPolicy::Factored;
   PC pc = preconditioner_.get();
-  return may_become_factorization(pc) ? nothing : is_of_symmetric_part(pc) ? symmetric_part : whole;
+  return may_become_factorization(pc) ? nothing : !bordered_ && is_of_symmetric_part(pc) ? symmetric_part : whole;
 }
 
 void LinearSystem::improve_poor_factor(Vec q, Vec r, Vec y) {

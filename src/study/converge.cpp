@@ -7,6 +7,7 @@
 #include "model/mesh_source.hpp"
 #include "model/model.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/copy_of.hpp"
 #include "run/simulation.hpp"
 #include "solver/petsc_method.hpp"
 #include "study/sample.hpp"
@@ -49,13 +50,6 @@ struct Row {
   double over_tolerance = nan;  ///< by tolerance: the error in units of it
   std::string failure;
 };
-
-Handle<Vec> copy_of(Vec x) {
-  Handle<Vec> copy;
-  check(VecDuplicate(x, copy.out()));
-  check(VecCopy(x, copy.get()));
-  return copy;
-}
 
 /// `model`: of this input.
 Solution solve(const Config& config, Model& model) {

@@ -1,18 +1,12 @@
 #include "study/recorded_step.hpp"
 
+#include "petsc/copy_of.hpp"
+
 #include <algorithm>
 #include <utility>
 
 namespace pliant {
 namespace {
-
-Handle<Vec> copied(Vec x) {
-  Handle<Vec> copy;
-  if (x == nullptr) return copy;
-  check(VecDuplicate(x, copy.out()));
-  check(VecCopy(x, copy.get()));
-  return copy;
-}
 
 double bytes_of(Vec x) {
   PetscInt size = 0;
@@ -29,7 +23,7 @@ void StepRecording::begin_step(const Step& step) {
 
 void StepRecording::end_stage(NewtonSolver& solver, const StagePoint& stage, Vec q) {
   solver_ = &solver;
-  RecordedStage kept{stage, copied(q), copied(stage.q0), copied(stage.v0), copied(stage.z0)};
+  RecordedStage kept{stage, copy_of(q), copy_of(stage.q0), copy_of(stage.v0), copy_of(stage.z0)};
   kept.point.q0 = kept.q0.get();
   kept.point.v0 = kept.v0.get();
   kept.point.z0 = kept.z0.get();
@@ -45,7 +39,7 @@ void StepRecording::end_step(bool restarts) {
   if (const Stepper* stepper = simulation_.stepper()) {
     tried_.method = &stepper->method();
     tried_.weights = stepper->weights_of_step();
-    if (record.z != nullptr && !tried_.method->stiffly_accurate) tried_.end_q = copied(record.q);
+    if (record.z != nullptr && !tried_.method->stiffly_accurate) tried_.end_q = copy_of(record.q);
   }
   double bytes = bytes_of(tried_.end_q.get());
   for (const RecordedStage& stage : tried_.stages) bytes += 3.0 * bytes_of(stage.q.get()) + bytes_of(stage.z0.get());

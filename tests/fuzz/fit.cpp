@@ -13,7 +13,7 @@ void read_as_fit(std::string_view bytes) {
       throw std::logic_error("a fit of neither or of both a material and an input");
     }
   } catch (const InputError& error) {
-    if (error.diagnostics().empty()) throw std::logic_error("an error that tells nothing");
+    if (error.diagnostics().empty()) throw std::logic_error("an error without a diagnostic");
   }
 }
 

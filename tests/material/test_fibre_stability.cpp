@@ -39,13 +39,13 @@ TEST(FibreStability, GuccionesFibresBuckleInCompression) {
 
 // Fibres that do not push, in a matrix whose exponential is convex.
 TEST(FibreStability, HolzapfelAndOgdensTypicalLawHasNoEnd) {
-  for (std::size_t row = 0; row < elastic_laws().size(); ++row) {
-    if (elastic_laws()[row].name != "holzapfel-ogden") continue;
-    const auto at = stable_fibre_stretches(typical_law(row));
-    ASSERT_TRUE(at);
-    EXPECT_EQ(at->ways.size(), 3u);
-    EXPECT_EQ(in_words(*at, 0.3, 4.0), "");
-  }
+  std::size_t row = 0;
+  while (row < elastic_laws().size() && elastic_laws()[row].name != "holzapfel-ogden") ++row;
+  ASSERT_LT(row, elastic_laws().size());
+  const auto at = stable_fibre_stretches(typical_law(row));
+  ASSERT_TRUE(at);
+  EXPECT_EQ(at->ways.size(), 3u);
+  EXPECT_EQ(in_words(*at, 0.3, 4.0), "");
 }
 
 }  // namespace

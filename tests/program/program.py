@@ -151,6 +151,16 @@ class ProgramTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return read_history(self.directory / output)
 
+    def assert_refused(self, cases):
+        """Inputs by what is said of each: they end with 2, and the message has a place in the input."""
+        for message, wrong in cases.items():
+            with self.subTest(message):
+                self.write("in.yaml", wrong)
+                done = self.call("run", "in.yaml")
+                self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+                self.assertIn(message, done.stderr)
+                self.assertRegex(done.stderr, r"in\.yaml:\d+:\d+: ")
+
     def assert_same_history(self, a, b, tolerance):
         """All columns agree, measured by the largest value of their kind, to a part of `tolerance`."""
         self.assertEqual(list(a), list(b))

@@ -296,13 +296,7 @@ constraints:
                 "damping: 1 ms", "viscosity: {model: kelvin-voigt, shear: 0, bulk: 1}"),
             "missing key 'mesh'": text.replace("mesh: {file: sheet.msh}\n", ""),
         }
-        for message, wrong in cases.items():
-            with self.subTest(message):
-                self.write("in.yaml", wrong)
-                done = self.call("run", "in.yaml")
-                self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
-                self.assertIn(message, done.stderr)
-                self.assertRegex(done.stderr, r"in\.yaml:\d+:\d+: ")
+        self.assert_refused(cases)
 
 
 if __name__ == "__main__":

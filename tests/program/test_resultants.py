@@ -44,7 +44,7 @@ constraints:
         columns += ", {name: way, of: displacement_x, take: mean}, {name: there, of: displacement_x, in: sheet, take: max}"
         strain = (stretch**2 - 1) / 2
         across = np.sqrt(1 - 2 * nu * strain)
-        for element, ranks in swept((("P1", 1), ("P1", 2), ("P1", 3), ("P2", 1)), (("P1", 2), ("P2", 1))):
+        for element, ranks in swept((("P1", 1), ("P1", 2), ("P1", 3), ("P2", 1), ("P2", 2)), (("P1", 2), ("P2", 1))):
             frame, row = self.frame(f"element: {element}\n{text}", ranks, history=columns)
             N = E * strain * stretch * h / across
             np.testing.assert_allclose(row["right_fx"], N * across, rtol=1e-9)
@@ -65,7 +65,7 @@ constraints:
 shells: [{{name: plate, surface: sheet, free: true, thickness: {h}, bending: true, {LAW % (E, nu)}}}]
 constraints: [{{where: "x > -1", displacement: [0, 0, "{k / 2}*x^2"]}}]
 """
-        for element, ranks in swept((("P1", 1), ("P1", 2), ("P1", 3), ("P2", 1)), (("P1", 2),)):
+        for element, ranks in swept((("P1", 1), ("P1", 2), ("P1", 3), ("P2", 1), ("P2", 2)), (("P1", 2), ("P2", 2))):
             frame, _ = self.frame(f"element: {element}\n{text}", ranks)
             X = frame.mesh.coordinates
             inside = np.all((X[:, :2] > 0.33) & (X[:, :2] < 0.67), axis=1)
@@ -95,8 +95,8 @@ loads: [{{surface: sheet, pressure: {pressure}}}]
                             for name, field in (("N", "membrane_force"), ("k", "curvature")) for n in (1, 2))
         _, row = self.frame(text, history=columns)
         r = stretch * R
-        np.testing.assert_allclose([row["N1"], row["N2"]], pressure * r / 2, rtol=0.05)  # of the mesh
-        np.testing.assert_allclose([row["k1"], row["k2"]], -1 / r, rtol=0.08)
+        np.testing.assert_allclose([row["N1"], row["N2"]], pressure * r / 2, rtol=0.035)  # of the mesh: 2.3 and 3.1 %
+        np.testing.assert_allclose([row["k1"], row["k2"]], -1 / r, rtol=0.05)  # of the mesh: 0.2 and 4.6 %
 
     def test_a_skin_on_a_body(self):
         # Stretched with the body; two layers on one another are added.
@@ -118,7 +118,7 @@ constraints: [{{where: "x > -1", displacement: [0, "{strain}*y", 0]}}]
             np.testing.assert_allclose(frame["membrane_force"][:, 1], np.where(x > x.max() - 1e-9, 2 * N, 0), atol=1e-9 * N)
 
     def test_a_rod(self):
-        # A cantilever that a block pulls, bends and twists: P L at the wall, and half of that in the mean.
+        # A cantilever that a block pulls, bends and twists: the moment at the wall, and its mean.
         P, T, M, L = 1e-3, 2.0, 3e-4, 0.5
         text = f"""rods: [{{name: beam, points: [[0, 0, 0], [{L}, 0, 0]], segments: 10, radius: 5 mm, density: 1000, youngs_modulus: 1 GPa,
          poissons_ratio: 0.3, start: ground, end: tip}}]
@@ -127,7 +127,7 @@ loads: [{{force: [{T}, 0, {P}], volume: tip}}, {{torque: [{M}, 0, 0], volume: ti
 """
         columns = ", ".join(f"{{name: {name}, of: {of}, in: beam, take: {take}}}" for name, of, take in (
             ("pull", "rod_force", "mean"), ("most", "rod_bending_moment", "max"), ("least", "rod_bending_moment", "min"),
-            ("half", "rod_bending_moment", "mean"), ("twist", "rod_torque", "max")))
+            ("average", "rod_bending_moment", "mean"), ("twist", "rod_torque", "max")))
         for ranks in swept((1, 2, 3), (2,)):
             frame, row = self.frame(text, ranks, "rod_force, rod_bending_moment, rod_torque", columns)
             np.testing.assert_allclose(row["pull"], T, rtol=1e-5)
@@ -135,12 +135,13 @@ loads: [{{force: [{T}, 0, {P}], volume: tip}}, {{torque: [{M}, 0, 0], volume: ti
             # The pull takes a part of the moment: P L tanh(w)/w, w = L sqrt(T/(E I)).
             w = L * np.sqrt(T / (1e9 * np.pi / 4 * 5e-3**4))
             np.testing.assert_allclose(row["most"], P * L * np.tanh(w) / w, rtol=0.01)
+            np.testing.assert_allclose(row["average"], P * L * (1 - 1 / np.cosh(w)) / w**2, rtol=2e-3)
             self.assertLess(row["least"], 1e-3 * P * L)
             segments = np.array([name == "beam" for name in np.array(frame.mesh.body_names)[frame.mesh.body]])
             self.assertEqual(segments.sum(), 10)
             np.testing.assert_allclose(frame["rod_force"][segments], T, rtol=1e-5)
             np.testing.assert_allclose(frame["rod_torque"][segments], M, rtol=1e-4)
-            np.testing.assert_allclose(frame["rod_bending_moment"][segments].mean(), row["half"], rtol=1e-9)
+            np.testing.assert_allclose(frame["rod_bending_moment"][segments].mean(), row["average"], rtol=1e-9)
 
     def test_what_is_refused(self):
         write_patch(self.directory / "sheet.msh", 2, flat)
@@ -162,13 +163,7 @@ time: {method: static}
                 sheet + column("membrane_force_xx", ", in: sil"),
             "contains no tetrahedron of a body with a mesh": rod + column("displacement"),
         }
-        for message, wrong in cases.items():
-            with self.subTest(message):
-                self.write("in.yaml", wrong)
-                done = self.call("run", "in.yaml")
-                self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
-                self.assertIn(message, done.stderr)
-                self.assertRegex(done.stderr, r"in\.yaml:\d+:\d+: ")
+        self.assert_refused(cases)
 
 
 if __name__ == "__main__":

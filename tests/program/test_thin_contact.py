@@ -57,14 +57,14 @@ class ThinContact(ProgramTest):
             self.assertGreater(h["contact_gap_min"].min(), 0)
             self.assertLess(h["contact_gap_min"].min(), 3e-4, "it comes to where its surface touches")
             mass = 1000 * (0.06**2 * 2e-3 + 0.04 * 0.04 * 0.02)
-            self.assertGreater(abs(h["hit_jz"][-1]), 1e-3)
+            self.assertGreater(abs(h["hit_jz"][-1]), 0.9 * 1000 * 0.06**2 * 2e-3, "it is stopped")
             for name in ("px", "py", "pz"):  # nothing from outside
                 self.assertLess(np.abs(h[name] - h[name][0]).max(), 1e-9 * mass)
             self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-7 * h["kinetic_energy"][0])
         # Either side is the same, to what the two meshes of the block differ by.
         gap = lambda h: h["contact_gap_min"][h["contact_points"] > 0].min()
-        self.assertAlmostEqual(gap(histories["above"]) / gap(histories["below"]), 1, delta=0.5)
-        self.assertAlmostEqual(histories["above"]["hit_jz"][-1] / histories["below"]["hit_jz"][-1], -1, delta=0.05)
+        self.assertAlmostEqual(gap(histories["above"]) / gap(histories["below"]), 1, delta=0.03)
+        self.assertAlmostEqual(histories["above"]["hit_jz"][-1] / histories["below"]["hit_jz"][-1], -1, delta=1e-3)
 
     def test_a_rod_rests_on_a_plane_at_its_radius(self):
         for element, law in (("P1", "barrier"), ("P2", "penalty")):
@@ -83,19 +83,20 @@ time: {{method: backward-euler, step: 4 ms, end: 0.12}}
             self.assertEqual(h["contact_gap_min"][-1] > 0, law == "barrier")
 
     def test_rods_cross_and_do_not_pass(self):
-        h = self.run_input(self.write("rods.yaml", two_rods()))
+        probes = "probes: [{name: up, point: [0.005, 0, 0.012]}, {name: down, point: [0.005, 0, 0]}]\n"
+        h = self.run_input(self.write("rods.yaml", two_rods(more=probes)))
         self.assertGreater(h["contact_gap_min"].min(), 0)
         self.assertLess(h["contact_gap_min"].min(), 3e-4)
         mass = 1100 * np.pi * 0.2 * 3e-3**2
-        self.assertGreater(h["crossing_jz"][-1], 0.01 * 2 * mass, "it is stopped")
+        self.assertGreater((h["up_z"] - h["down_z"]).min(), 5e-3, "the sum of the radii")
         self.assertLess(np.abs(h["pz"] - h["pz"][0]).max(), 1e-9 * 2 * mass)
         size = np.abs(h["Lx"]).max() + 2 * mass * 0.1
         for name in ("Lx", "Ly", "Lz"):
             self.assertLess(np.abs(h[name] - h[name][0]).max(), 1e-3 * size, "backward Euler starts bdf2")
         self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-6 * h["kinetic_energy"][0])
         # Without the pair they pass.
-        h = self.run_input(self.write("free.yaml", two_rods("law: barrier, pairs: [{surface: high}]")), output="free")
-        self.assertEqual(h["contact_points"].max(), 0)
+        h = self.run_input(self.write("free.yaml", two_rods("law: barrier, pairs: [{surface: high}]", more=probes)), output="free")
+        self.assertLess((h["up_z"] - h["down_z"])[-1], 0, "it has passed")
 
     def test_a_rod_does_not_pass_through_itself(self):
         # A hairpin whose ends a spring pulls together; segments are shorter than it is thick.
@@ -109,8 +110,9 @@ time: {{method: backward-euler, step: 5 ms, end: 0.1}}
         self.assertGreater(h["contact_gap_min"].min(), 0)
         self.assertAlmostEqual(h["pull_length"][-1], 4e-3, delta=4e-4)
 
-    def test_a_shell_does_not_pass_through_itself(self):
-        # A strip, bent to three quarters of a ring, whose ends fly at each other.
+    def test_a_shell_touches_itself(self):
+        # A strip, bent to three quarters of a ring, whose ends fly at each other: edge meets edge, and they slip past each other at its
+        # thickness.
         n, m, radius = 16, 2, 0.02
         angles = np.linspace(np.radians(-135), np.radians(135), n + 1)
         nodes = [(radius * np.cos(a), radius * np.sin(a), 0.005 * j) for a in angles for j in range(m + 1)]

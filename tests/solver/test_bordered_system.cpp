@@ -45,7 +45,7 @@ class BorderedSystems : public testing::Test {
   TestStage stage_{solid, 0.0, 0.1};
   Handle<Mat> matrix_;
   Handle<KSP> ksp_;
-  std::vector<PetscInt> border_;  // the nodes that rank 0 and the last rank own first
+  std::vector<PetscInt> border_;  // the first two nodes and the last one: of the first and the last rank
 
   void SetUp() override {
     potential_.begin_stage(stage_.point);
@@ -112,6 +112,9 @@ TEST_F(BorderedSystems, TakeRankOneTermsOfTheBorder) {
   PetscInt number = 0;
   check(KSPGetIterationNumber(ksp_.get(), &number));
   EXPECT_LE(number, 3);
+  const Handle<Vec> Kx = potential_.make_vector();
+  check(MatMult(rank_one.matrix(), x.get(), Kx.get()));
+  EXPECT_LE(test::distance(Kx.get(), b.get()), 1e-6 * test::norm(b.get()));  // c = 1e12 costs digits
 }
 
 }  // namespace

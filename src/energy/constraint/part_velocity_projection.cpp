@@ -3,6 +3,7 @@
 #include "energy/constraint/rigid_part.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/copy_of.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -37,13 +38,6 @@ double largest(Vec x) {
   PetscReal norm = 0.0;
   check(VecNorm(x, NORM_INFINITY, &norm));
   return norm;
-}
-
-Handle<Vec> copy_of(Vec x) {
-  Handle<Vec> copy;
-  check(VecDuplicate(x, copy.out()));
-  check(VecCopy(x, copy.get()));
-  return copy;
 }
 
 }  // namespace

@@ -61,8 +61,8 @@ class PartVelocityProjection {
   void subtract_soft_mass(const std::vector<Touched>& touched);
   /// The affine motion k of a part's nodes, of all components or of one; v is zero elsewhere.
   void put_motion(const Part& part, std::size_t k, Vec v) const;
-  /// Adds the projected change of the velocities of some constraints to `changes`, of all parts. `joint`: those with
-  /// parts that others touch, together; otherwise one of those without.
+  /// Adds the projected change of the velocities of some constraints to `changes`, of all parts. `dependents`: those
+  /// with parts that others touch, together, or one of those without.
   void solve(std::span<const std::size_t> dependents, const std::vector<Motion>& missing,
              std::vector<Motion>& changes) const;
   void put(const std::vector<Motion>& missing, const std::vector<Motion>& changes, Vec v) const;

@@ -148,7 +148,7 @@ BodySurfaces::BodySurfaces(const NodeLayout& layout, const FacetList& facets, st
     }
   }
   list_nodes();
-  list_patches(layout, facets, sides);
+  list_patches(layout, facets);
 }
 
 void BodySurfaces::list_nodes() {
@@ -169,7 +169,7 @@ void BodySurfaces::list_nodes() {
   }
 }
 
-void BodySurfaces::list_patches(const NodeLayout& layout, const FacetList& facets, std::span<const FacetSide> sides) {
+void BodySurfaces::list_patches(const NodeLayout& layout, const FacetList& facets) {
   const auto triangles = surface_.triangles();
   const auto is_mine = [&](PetscInt node) { return node < layout.num_owned_nodes; };
   const auto nodes_per_facet = static_cast<std::size_t>(facets.nodes_per_facet);
@@ -195,7 +195,7 @@ void BodySurfaces::list_patches(const NodeLayout& layout, const FacetList& facet
       return;
     }
     patches_.keys.push_back(number);
-    patches_.tags.push_back(sides[facet].set);
+    patches_.tags.push_back(surface_.triangles()[static_cast<std::size_t>(number)].group);
     // Not by the rank of the facet, which may have none of its nodes, and does not list it then.
     patches_.is_owned.push_back(is_mine(of_patch[0]));
     if (ends_.empty()) return;

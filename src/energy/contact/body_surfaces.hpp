@@ -86,7 +86,7 @@ class BodySurfaces {
   using Ends = std::array<std::int32_t, 2>;
 
   void list_nodes();
-  void list_patches(const NodeLayout& layout, const FacetList& facets, std::span<const FacetSide> sides);
+  void list_patches(const NodeLayout& layout, const FacetList& facets);
   void place(std::int32_t vertex, std::span<Vector3<double>> x) const;
 
   CollisionSurface surface_;

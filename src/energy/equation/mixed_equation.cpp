@@ -434,7 +434,7 @@ std::vector<std::string> MixedEquation::non_potentials() const {
 }
 
 Symmetry MixedEquation::symmetry() const {
-  return potential_.symmetry() == Symmetry::unsymmetric ? Symmetry::unsymmetric : Symmetry::indefinite;
+  return pliant::is_symmetric(potential_.symmetry()) ? Symmetry::indefinite : Symmetry::unsymmetric;
 }
 
 }  // namespace pliant

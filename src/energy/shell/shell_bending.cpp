@@ -121,24 +121,19 @@ void ShellBending::list_patches(const NodeLayout& layout, const FacetList& facet
   patches_.nodes_per_patch = 3;
   for_each_triangle(facets, [&](const std::array<PetscInt, 3>& nodes, PetscInt facet) {
     const auto is_owned = [&](PetscInt node) { return node < layout.num_owned_nodes; };
-    if (std::ranges::none_of(nodes, is_owned)) return;
     TriangleNodes global{};
     for (std::size_t k = 0; k < 3; ++k) global[k] = layout.global_node(nodes[k]);
     const auto place = std::ranges::lower_bound(topology_.triangles(), sorted(global), {}, sorted);
-    for (const std::int64_t node : *place) {
-      patches_.nodes.push_back(nodes[static_cast<std::size_t>(std::ranges::find(global, node) - global.begin())]);
-    }
-    patches_.keys.push_back(place - topology_.triangles().begin());
+    const std::int64_t number = place - topology_.triangles().begin();
+    std::array<PetscInt, 3> oriented{};
+    for (std::size_t k = 0; k < 3; ++k) oriented[k] = nodes[std::ranges::find(global, (*place)[k]) - global.begin()];
+    const bool is_rotation = oriented[(std::ranges::find(oriented, nodes[0]) - oriented.begin() + 1) % 3] == nodes[1];
+    const bool is_outer = facets.is_outer[static_cast<std::size_t>(facet)] != 0;
+    faces_[number] = {facet, !is_outer ? sign_of_upper_side(layout, oriented) : is_rotation ? 1.0 : -1.0};
+    if (std::ranges::none_of(nodes, is_owned)) return;
+    patches_.nodes.insert(patches_.nodes.end(), oriented.begin(), oriented.end());
+    patches_.keys.push_back(number);
     patches_.tags.push_back(0);
-    facets_.push_back(facet);
-    const std::array<PetscInt, 3> oriented{patches_.nodes[patches_.nodes.size() - 3],
-                                           patches_.nodes[patches_.nodes.size() - 2], patches_.nodes.back()};
-    if (facets.is_outer[static_cast<std::size_t>(facet)] != 0) {
-      const bool is_rotation = oriented[(std::ranges::find(oriented, nodes[0]) - oriented.begin() + 1) % 3] == nodes[1];
-      signs_.push_back(is_rotation ? 1.0 : -1.0);
-    } else {
-      signs_.push_back(sign_of_upper_side(layout, oriented));
-    }
     const auto first = std::ranges::min_element(global) - global.begin();
     patches_.is_owned.push_back(is_owned(nodes[static_cast<std::size_t>(first)]) ? 1 : 0);
   });
@@ -333,7 +328,8 @@ void ShellBending::visit(const NearPatches& near, std::span<const double> q,
   if (here.stencils.empty()) return;
   const auto d = changes(here, q);
   for (const BendingStencil& stencil : here.stencils) {
-    if (stencil.patch >= facets_.size()) continue;  // a triangle of another rank
+    const auto face = faces_.find(near.patches.keys[stencil.patch]);
+    if (face == faces_.end()) continue;  // a triangle of another rank
     std::array<double, 3> change{}, whole{};
     for (std::size_t h = 0; h < stencil.num_hinges; ++h) {
       const auto& [e, u, v] = here.hinges[stencil.hinges[h]].rest;
@@ -351,11 +347,11 @@ void ShellBending::visit(const NearPatches& near, std::span<const double> q,
       x[k] = near.position(nodes[k], q);
     }
     const PlaneDeformation plane(X, x);
-    const double sign = -signs_[stencil.patch];  // angles are positive where triangles fold towards the normal
+    const double sign = -face->second.sign;  // angles are positive where triangles fold towards the normal
     const auto& [D, nu] = stencil.stiffness;
     const std::array<double, 3> moment{change[0] + nu * change[1], change[1] + nu * change[0],
                                        0.5 * (1.0 - nu) * change[2]};
-    visitor({facets_[stencil.patch], stencil.area, stencil.is_surrounded,
+    visitor({face->second.facet, stencil.area, stencil.is_surrounded,
              plane.in_space(sign, {whole[0], whole[1], 0.5 * whole[2]}, plane.inverse()),
              plane.in_space(sign * D / plane.area_ratio(), moment, plane.transposed())});
   }

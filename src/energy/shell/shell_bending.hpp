@@ -64,9 +64,9 @@ class ShellBending final : public EnergyTerm, public PairCoupling {
                    Projection projection) const override;
   double energy_at(const Instant& at, std::span<const double> q, std::span<const double> z) const override;
 
-  /// The triangles of this rank's facets with an owned node, at displacements q; `near`: as the term has it. The outer
-  /// side of a facet is the one that its normal points to; of one between two bodies, the upper one (z; y or x where it
-  /// is vertical).
+  /// All triangles of the facets of this rank that have an owned node, at displacements q; `near`: as the term has it.
+  /// The outer side of a facet is the one that its normal points to; of one between two bodies, the upper one (z; y or
+  /// x where it is vertical).
   void visit(const NearPatches& near, std::span<const double> q,
              const std::function<void(const BentTriangle&)>& visitor) const;
   PetscInt num_owned_nodes() const { return num_owned_nodes_; }
@@ -82,8 +82,11 @@ class ShellBending final : public EnergyTerm, public PairCoupling {
   ShellTopology topology_;
   std::vector<BendingStiffness> stiffness_;  // of each triangle
   Patches patches_;
-  std::vector<PetscInt> facets_;  // of each patch
-  std::vector<double> signs_;     // of each: 1 where the normal of the topology's triangle points to the outer side
+  struct Face {
+    PetscInt facet = 0;
+    double sign = 1.0;  // 1 where the normal of the topology's triangle points to the outer side, else -1
+  };
+  std::map<std::int64_t, Face> faces_;  // by the number of the triangle, of this rank's facets
   FixedPairs fixed_;
 };
 

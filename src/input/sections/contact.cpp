@@ -118,8 +118,9 @@ Section<ContactPairConfig> pair_keys() {
             "prefix of the columns in history.csv with the force and impulse of `with` on `surface`")
           .otherwise_in_words("no columns")
           .only_with({{"with"}}),
-      field("surface", &P::part, name_of_part(), "a surface, or a volume with its outer surface").required(),
-      field("with", &P::with, name_of_part(), "the surface or volume that it may touch").otherwise_in_words("itself"),
+      field("surface", &P::part, name_of_part(), "a surface, a volume with its outer surface, a free shell or a rod")
+          .required(),
+      field("with", &P::with, name_of_part(), "what it may touch: as `surface`").otherwise_in_words("itself"),
       field("law", &P::law, normal_kind(), "as of `contact`").otherwise_in_words(of_contact),
       field("stiffness", &P::stiffness, quantity("Pa/m", Range::above(0)),
             "pressure per depth of penetration, or the scale of the barrier's pressure")
@@ -184,8 +185,8 @@ Section<ContactConfig> contact_keys() {
                        "below this velocity a contact counts as sticking: friction grows smoothly up to it")
                      .otherwise("1 mm/s"));
   keys.push_back(field("pairs", &C::pairs, pairs_of_bodies(),
-                       "parts of the bodies that may touch one another; `all`: the outer surfaces of all bodies, with "
-                       "each other and with themselves")
+                       "parts of the bodies that may touch one another; `all`: the outer surfaces of all bodies, "
+                       "free shells and rods, with each other and with themselves")
                      .otherwise_in_words("bodies pass through one another"));
   keys.push_back(
       field("exclude", &C::exclude, list_of(array_of<2>(name_of_part()), 1),

@@ -283,7 +283,7 @@ def parser_of(program):
     parser.add_argument("result", help="the output directory of a run, or its history.csv")
     parser.add_argument("-o", "--output", help="file to write (.png, .pdf, .svg); default: history.png in the output directory")
     parser.add_argument("--of", metavar="COLUMN,...", help="columns of the history to draw instead; those of one unit together")
-    parser.add_argument("--x", metavar="COLUMN", help="the column to draw those over, instead of time: pressure over volume, force over way")
+    parser.add_argument("--x", metavar="COLUMN", help="the column to draw those over, instead of time: pressure over volume, force over displacement")
     return parser
 
 
