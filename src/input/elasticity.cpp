@@ -66,10 +66,9 @@ ElasticityRule::ElasticityRule(const ElasticityConfig& config)
                                   names.empty() ? "none" : names)});
   }
   if (!errors.empty()) throw InputError(std::move(errors));
-  is_uniform_ =
-      std::ranges::none_of(config.constants,
-                           [](const GivenConstant& c) { return c.value.depends_on_space() || !c.cell_data.empty(); }) &&
-      std::ranges::all_of(directions_, &DirectionRule::is_uniform);
+  has_uniform_constants_ = std::ranges::none_of(
+      config.constants, [](const GivenConstant& c) { return c.value.depends_on_space() || !c.cell_data.empty(); });
+  is_uniform_ = has_uniform_constants_ && std::ranges::all_of(directions_, &DirectionRule::is_uniform);
 }
 
 void ElasticityRule::bind(const CellData& data) {
@@ -119,16 +118,30 @@ void ElasticityRule::set_directions(PetscInt cell, const std::array<double, 3>& 
   }
 }
 
-ElasticLawSpec ElasticityRule::law_at(PetscInt cell, const std::array<double, 3>& X) const {
-  const std::vector<double> values = constants_at(cell, X);
+std::vector<double> ElasticityRule::admissible_constants(PetscInt cell, const std::array<double, 3>& X) const {
+  std::vector<double> values = constants_at(cell, X);
   std::vector<Diagnostic> errors;
   for (const auto& text : rule_.errors(values)) {
-    errors.push_back({Severity::error, config_.where, is_uniform_ ? text : text + "," + at_place(X)});
+    errors.push_back({Severity::error, config_.where, has_uniform_constants_ ? text : text + "," + at_place(X)});
   }
   if (!errors.empty()) throw InputError(std::move(errors));
+  return values;
+}
+
+ElasticLawSpec ElasticityRule::law_at(PetscInt cell, const std::array<double, 3>& X) const {
   ElasticLawSpec law = kind_;
-  law.parameters = rule_(values);
+  law.parameters = rule_(admissible_constants(cell, X));
   set_directions(cell, X, law);
+  return law;
+}
+
+std::optional<ElasticLawSpec> ElasticityRule::up_to_rotation() const {
+  if (is_uniform_) return law_at(0, {});
+  const bool is_angle_fixed =
+      directions_.size() == 1 || (directions_.size() == 2 && directions_[1].given().key == "sheet");
+  if (!has_uniform_constants_ || !is_angle_fixed) return std::nullopt;
+  ElasticLawSpec law = kind_;  // with the first axes as directions
+  law.parameters = rule_(admissible_constants(0, {}));
   return law;
 }
 

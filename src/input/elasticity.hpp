@@ -6,6 +6,7 @@
 #include "material/constants.hpp"
 
 #include <array>
+#include <optional>
 #include <string>
 
 namespace pliant {
@@ -22,11 +23,15 @@ class ElasticityRule {
   /// At the reference position X in a local cell; a uniform law is the same everywhere. Throws InputError if the
   /// constants or directions are not admissible there.
   ElasticLawSpec law_at(PetscInt cell, const std::array<double, 3>& X) const;
+  /// The law if it is the same everywhere, or would be if the body were turned: directions may follow a formula, but
+  /// the angle between two of them may not. Throws InputError like law_at().
+  std::optional<ElasticLawSpec> up_to_rotation() const;
   /// The law without constants, for what does not depend on them.
   const ElasticLawSpec& kind() const { return kind_; }
 
  private:
   std::vector<double> constants_at(PetscInt cell, const std::array<double, 3>& X) const;
+  std::vector<double> admissible_constants(PetscInt cell, const std::array<double, 3>& X) const;
   void set_directions(PetscInt cell, const std::array<double, 3>& X, ElasticLawSpec& law) const;
 
   const ElasticityConfig& config_;
@@ -35,7 +40,8 @@ class ElasticityRule {
   std::vector<DirectionRule> directions_;  // in the order of the law
   const CellData* data_ = nullptr;
   std::vector<std::size_t> data_of_constant_;  // where the constant is data of the mesh
-  bool is_uniform_;
+  bool has_uniform_constants_;
+  bool is_uniform_;  // the directions, too
 };
 
 /// Does the law have preferred directions, so that its moduli at rest are more than two numbers?

@@ -305,7 +305,9 @@ std::vector<Diagnostic> Contacts::warnings_about_start(const Instant& at, const 
             o.where,
             fmt::format(
                 "the obstacle '{}' is {:.3g} m wide, but '{}' feels it at points that are up to {:.3g} m apart (facets "
-                "of about {:.3g} m): it can pass between them; refine the mesh where they touch",
+                "of about {:.3g} m): it can pass between them; refine the mesh where they touch, or make it one of "
+                "'rigid_bodies', with 'surface', 'contact.pairs' and a constraint that holds it: edges and facets then "
+                "stop it, too",
                 o.name, width, body_names_[b], spacing, facet_sizes_[b]));
       }
       if (auto warning = warning_about_push(k, b, at, q)) warnings.push_back(std::move(*warning));
@@ -351,7 +353,7 @@ std::optional<std::string> Contacts::passage(const Instant& from, std::span<cons
       *std::ranges::max_element(all, {}, [](const Candidate& candidate) { return candidate.passage.depth; });
   if (!(deepest.passage.depth > 0.0)) {
     if (!between_) return std::nullopt;
-    if (auto too_deep = between_->passage(q_from, q_to)) return too_deep;
+    if (auto found = between_->passage(q_from, q_to)) return found;
     auto crossing = between_->crossing(q_to);
     if (crossing) *crossing += " at the end of the step; use a shorter 'time.step'";
     return crossing;

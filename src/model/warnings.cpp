@@ -119,10 +119,9 @@ void check_body(const Config& config, const BodyConfig& body, Warnings& warnings
 /// Warns of constants with which the law softens until it cannot carry its force.
 void check_stability(const BodyConfig& body, Warnings& warnings) {
   if (!body.elasticity) return;
-  const ElasticityRule rule(*body.elasticity);
-  if (!rule.is_uniform()) return;
-  const ElasticLawSpec law = rule.law_at(0, {});
-  if (const auto of_fibres = stable_fibre_stretches(law)) {
+  const auto law = ElasticityRule(*body.elasticity).up_to_rotation();
+  if (!law) return;
+  if (const auto of_fibres = stable_fibre_stretches(*law)) {
     const std::string words = in_words(*of_fibres, strongest_compression_of_tissue, largest_stretch_of_tissue);
     if (words.empty()) return;
     warnings.add(
@@ -133,7 +132,7 @@ void check_stability(const BodyConfig& body, Warnings& warnings) {
                     body.elasticity->model, words));
     return;
   }
-  const auto stable = stable_stretches(law);
+  const auto stable = stable_stretches(*law);
   if (!stable) return;
   const LibraryMaterial* material = find_material(body.elasticity->library);
   const double largest = material != nullptr ? std::min(material->highest_stretch, largest_stretch) : largest_stretch;

@@ -13,11 +13,11 @@
 namespace pliant::fuzz {
 namespace {
 
-constexpr std::size_t header_size = 84, normal_size = 12, triangle_size = 50;  // of a binary STL file
+constexpr std::size_t stl_header_size = 84, normal_size = 12, triangle_size = 50;  // of a binary STL file
 
 std::vector<double> corners_in(std::string_view bytes) {
   std::vector<double> corners;
-  for (std::size_t at = header_size; at + triangle_size <= bytes.size(); at += triangle_size) {
+  for (std::size_t at = stl_header_size; at + triangle_size <= bytes.size(); at += triangle_size) {
     std::array<float, 9> x{};
     std::memcpy(x.data(), bytes.data() + at + normal_size, sizeof x);
     corners.insert(corners.end(), x.begin(), x.end());

@@ -156,6 +156,8 @@ DOUBTFUL = {
                                          "'body' is stretched to 5.5 times its length near X = .*beyond the range of 'neo-hookean'"),
     "constants that soften": ("bodies", "bodies: [{density: 1, elasticity: @{model: yeoh, c10: 1 MPa, c20: -0.2 MPa, poissons_ratio: 0.4}}]",
                               "'yeoh' is stable only in uniaxial tension up to a stretch of 1.*in equibiaxial tension up to"),
+    "fibres that follow a formula": ("bodies", "bodies: [{density: 1, elasticity: @{model: guccione, C: 10 kPa, bf: 20, bt: 4, bfs: 4, "
+                                     "bulk_modulus: 1 MPa, fibre: [1, \"x\", 0]}}]", "'guccione' is stable only along the fibres down to a stretch"),
     "parts that overlap": ("mesh", "mesh: {file: @cube.msh}", "overlap at the start, 0.[12][0-9]* m deep"),
     "parts that pass through one another": ("output", 'initial: {velocity: ["-30*(x > 1.4)", 0, 0]}', "at t = 0.02 s two parts of 'body', which share no node, pass through"),
     "Newton's method that does nothing": ("output", "solver: {newton: {absolute: 1 MN}}", "ended 2 of 2 solves.* these are not solutions"),
