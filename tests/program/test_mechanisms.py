@@ -226,6 +226,90 @@ joints: [{name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], a
         h = self.solve(held, "method: dirk22, step: 10 ms, end: 1")
         self.assertLess(abs(h["axle_angle"][-1]), 2e-3)
 
+    def test_bearings_rub_by_the_load_that_they_carry(self):
+        with self.subTest("a wheel on a horizontal axle"):
+            wheel = """rigid_bodies: [{name: wheel, mass: 4, inertia: [0.1, 0.1, 0.05], center: [0, 0, 0], angular_velocity: [0, 0, 3]}]
+joints: [{name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], axis: [0, 0, 1], bearing: {friction: 0.2, radius: 10 mm}}]
+loads: [{gravity: [0, -10, 0]}]
+"""
+            h = self.solve(wheel, "method: dirk33, step: 10 ms, end: 1")
+            np.testing.assert_allclose(h["wheel_wz"], 3 - 0.2 * 0.01 * 40 / 0.05 * h["time"], atol=1e-5)
+            lost = h["kinetic_energy"][0] - h["kinetic_energy"][-1]
+            self.assertAlmostEqual(h["dissipated_bearing_friction"][-1], lost, delta=1e-4 * lost)
+            self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-10)
+            # A thrust is carried at the same radius.
+            h = self.solve(wheel.replace("[0, -10, 0]", "[0, 0, -10]"), "method: dirk33, step: 10 ms, end: 0.2")
+            np.testing.assert_allclose(h["wheel_wz"], 3 - 0.2 * 0.01 * 40 / 0.05 * h["time"], atol=1e-5)
+        with self.subTest("a block on a slope"):
+            slope, mu = 0.5, 0.3
+            down = np.array([np.cos(slope), 0, -np.sin(slope)])
+            block = f"""rigid_bodies: [{{name: block, mass: 2, inertia: [0.1, 0.1, 0.1], center: [0, 0, 0]}}]
+joints: [{{name: guide, type: slider, between: [ground, block], point: [0, 0, 0], axis: {list(down)}, bearing: {{friction: {mu}MORE}}}}]
+loads: [{{gravity: [0, 0, -9.81]}}]
+"""
+            for method in swept(METHODS, ("dirk33", "implicit-midpoint")):
+                h = self.solve(block.replace("MORE", ""), f"method: {method}, step: 10 ms, end: 0.5")
+                # Until the rate is many times stick_rate, friction grows.
+                np.testing.assert_allclose(np.diff(h["guide_rate"])[3:] / 0.01, 9.81 * (np.sin(slope) - mu * np.cos(slope)), rtol=1e-9)
+            h = self.solve(block.replace("MORE", "").replace(f"friction: {mu}", "friction: 0.6"), "method: bdf2, step: 10 ms, end: 1")
+            # tan(0.5) < 0.6: it sticks, and creeps.
+            self.assertAlmostEqual(h["guide_rate"][-1], 1e-3 * np.arctanh(np.tan(slope) / 0.6), delta=1e-8)
+            # A weight at the end of an arm: a couple at two shoes 0.1 m apart, and a torque about the axis.
+            arm = block.replace("center: [0, 0, 0]", f"center: {list(0.3 * down)}").replace("MORE", ", length: 0.1")
+            h = self.solve(arm, "method: dirk22, step: 1 ms, end: 0.05")
+            shoes = abs(0.5 + 0.3 / 0.1) + abs(0.5 - 0.3 / 0.1)
+            slope_of_rate = np.diff(h["guide_rate"])[-1] / 1e-3
+            self.assertLess(slope_of_rate, 0.1)  # mu shoes cos > sin: it jams
+            slight = arm.replace(f"friction: {mu}", "friction: 0.05")
+            h = self.solve(slight, "method: dirk22, step: 1 ms, end: 0.2")
+            np.testing.assert_allclose(np.diff(h["guide_rate"])[-1] / 1e-3, 9.81 * (np.sin(slope) - 0.05 * shoes * np.cos(slope)), rtol=1e-6)
+            aside = block.replace("center: [0, 0, 0]", "center: [0, 0.2, 0]").replace("MORE", ", radius: 0.4")
+            h = self.solve(aside, "method: dirk22, step: 1 ms, end: 0.2")
+            np.testing.assert_allclose(np.diff(h["guide_rate"])[-1] / 1e-3,
+                                       9.81 * (np.sin(slope) - mu * (1 + 0.2 / 0.4) * np.cos(slope)), rtol=1e-6)
+        with self.subTest("a pendulum"):
+            bob = """rigid_bodies: [{name: bob, mass: 1, inertia: [0, 0, 0], center: [1, 0, 0]}]
+joints: [{name: pivot, type: hinge, between: [ground, bob], point: [0, 0, 0], axis: [0, 0, 1], bearing: {friction: 0.3, radius: 0.1}, stick_rate: 0.05}]
+loads: [{gravity: [0, -9.81, 0]}]
+"""
+            h = self.solve(bob, "method: dirk33, step: 2 ms, end: 2")
+            np.testing.assert_allclose(h["pivot_angle"], self.pendulum_in_a_bearing(0.03, 0.05, h["time"]), atol=2e-4)
+
+    @staticmethod
+    def pendulum_in_a_bearing(lever, stick_rate, times):
+        """The angle below the horizontal of a mass point at 1 m from a pin whose friction has the lever mu r (Runge-Kutta)."""
+        def acceleration(angle, rate):
+            found = -9.81 * np.cos(angle)
+            for _ in range(30):  # the load depends on the acceleration
+                load = np.hypot(found + 9.81 * np.cos(angle), rate**2 + 9.81 * np.sin(-angle))
+                found = -9.81 * np.cos(angle) - lever * load * np.tanh(rate / stick_rate)
+            return np.array([rate, found])
+        y, result = np.array([0.0, 0.0]), [0.0]
+        for start, end in zip(times, times[1:]):
+            parts = 4
+            dt = (end - start) / parts
+            for _ in range(parts):
+                a = acceleration(*y)
+                b = acceleration(*(y + 0.5 * dt * a))
+                c = acceleration(*(y + 0.5 * dt * b))
+                d = acceleration(*(y + dt * c))
+                y = y + dt / 6 * (a + 2 * b + 2 * c + d)
+            result.append(y[0])
+        return np.array(result)
+
+    def test_bearings_on_ranks_and_after_a_restart(self):
+        text = self.chain("hinge", ", bearing: {friction: 0.2, radius: 0.05, length: 0.1}").replace(
+            "axis: [0, 1, 0.2]", "axis: [0, 1, 0.2], bearing: {friction: 0.1, radius: 0.05}")
+        time = "method: dirk22, step: 5 ms, end: 0.1"
+        one, *others = [self.solve(text, time, ranks) for ranks in (1, 2, *swept((3,), ()))]
+        self.assertGreater(one["dissipated_bearing_friction"][-1], 0.005)
+        self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-9 * one["kinetic_energy"].max())
+        for other in others:
+            self.assert_same_history(other, one, 1e-9)
+        self.solve(text + "checkpoint: {}\n", time.replace("0.1", "50 ms"))
+        self.pliant("resume", "out", "--quiet", "--set", "time.end=0.1")
+        self.assert_same_history(read_history(self.directory / "out"), one, 1e-8)
+
     def test_motions_of_the_bodies_of_a_joint_are_seen(self):
         # A slider on a body that is led: what is recorded is where the bodies are.
         text = """rigid_bodies:
@@ -407,6 +491,7 @@ joints:
             "missing key 'axis' in joints[1]": chain.replace("type: ball", "type: hinge"),
             "repeat or contradict": chain.replace("loads:", "  - {name: c, type: hinge, between: [one, two], point: [1, 0, 0], axis: [0, 1, 0]}\nloads:"),
             "must be at right angles": chain.replace("type: ball", "type: universal").replace("point: [1, 0, 0], }", "point: [1, 0, 0], axis: [1, 0, 0], second_axis: [1, 1, 0]}"),
+            "the bearing of joint 'a' needs the radius of its pin": chain.replace("axis: [0, 1, 0.2]", "axis: [0, 1, 0.2], bearing: {friction: 0.1}"),
             "connects 'one' with itself": chain.replace("[one, two]", "[one, one]"),
             "'motion' can only be given with": chain.replace("point: [1, 0, 0], }", 'point: [1, 0, 0], motion: "t"}'),
             "is given twice": chain.replace("name: two", "name: one"),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "energy/constraint/rigid_part.hpp"
+#include "energy/rigid/joint_bearing.hpp"
 #include "energy/rigid/joint_system.hpp"
 
 #include <eigen3/Eigen/Core>
@@ -64,6 +65,11 @@ class Mechanism final : public DependentNodes {
   std::vector<const RigidPart*> parts() const override;
   std::vector<BodyMotion<double>> allowed_velocities(std::size_t part) const override;
 
+  bool refreezes() const override { return !bearings_.empty(); }
+  void refreeze(std::span<const double> unknowns, Vec r) override;
+  /// The largest effort of friction in a bearing, from the load that it carries in a stage (StageEquation::refreeze).
+  std::shared_ptr<const double> follow(const JointBearing& bearing) { return bearings_.add(bearing); }
+
   /// The states of two of the parts (JointEquation::ground: at rest) that are nearest to q and v. Collective.
   std::array<RigidPart::RigidState, 2> states(const std::array<int, 2>& parts, Vec q, Vec v) const;
   /// The reactions of the joints, from the gradient r of the potential at q, where nothing else holds the bodies.
@@ -110,6 +116,7 @@ class Mechanism final : public DependentNodes {
   std::vector<std::unique_ptr<RigidPart>> parts_;
   std::vector<std::size_t> first_;  // unknown of each part, and their number
   JointSystem joints_;
+  JointBearings bearings_;
   double size_ = 0.0;  // of the parts [m]
   std::vector<PetscInt> nodes_, hosts_;
   std::vector<std::size_t> part_of_node_;  // per local owned node
