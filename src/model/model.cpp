@@ -388,7 +388,10 @@ PrescribedMotion Model::motion(Correction correction) const {
   PrescribedMotion motion = constraints_->motion(correction);
   if (!inertia_ || analysis_of(config_) != Analysis::dynamic) return motion;
   return with_projected_velocities(std::move(motion),
-                                   {layout_, *inertia_, constraints_->prescribed().flags(), constraints_->map()});
+                                   {layout_, *inertia_, constraints_->prescribed().flags(), constraints_->map()},
+                                   is_symplectic ? EndVelocities::of_method : EndVelocities::projected);
+  const Method* const method = integrator_of(config_);
+  const bool is_symplectic = method != nullptr && method->symplectic;
 }
 
 void Model::require_finite(double time) const {

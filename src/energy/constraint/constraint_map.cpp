@@ -215,6 +215,10 @@ void ConstraintMap::add_curvature(Vec y, Vec f, Mat K, const std::function<Petsc
   assemble(K);
 }
 
+bool ConstraintMap::is_driven() const {
+  return std::ranges::any_of(dependents_, [](const auto& dependent) { return dependent->is_driven(); });
+}
+
 bool ConstraintMap::refreezes() const {
   return std::ranges::any_of(dependents_, [](const auto& dependent) { return dependent->refreezes(); });
 }

@@ -70,6 +70,7 @@ class Mechanism final : public DependentNodes {
   /// The largest effort of friction in a bearing, from the load that it carries in a stage (StageEquation::refreeze).
   std::shared_ptr<const double> follow(const JointBearing& bearing) { return bearings_.add(bearing); }
 
+  bool is_driven() const override { return joints_.is_driven(); }
   /// The states of two of the parts (JointEquation::ground: at rest) that are nearest to q and v. Collective.
   std::array<RigidPart::RigidState, 2> states(const std::array<int, 2>& parts, Vec q, Vec v) const;
   /// The reactions of the joints, from the gradient r of the potential at q, where nothing else holds the bodies.
