@@ -388,6 +388,59 @@ joints:
         h = self.solve(self.chain("hinge", ', motion: "0.5*sin(9*t)"'), "method: implicit-midpoint, step: 10 ms, end: 0.2")
         np.testing.assert_allclose(h["b_rate"], 4.5 * np.cos(9 * h["time"]), atol=1e-11)
 
+    def test_starts_that_joints_forbid_are_told(self):
+        fist = """rigid_bodies: [{name: fist, mass: 20 g, inertia: [1e-6, 1e-6, 1e-6], center: [0, 0, 0.02]MORE}]
+joints: [{name: guide, type: KIND, between: [ground, fist], point: [0, 0, POINT], axis: AXIS}]
+"""
+        time = "time: {method: bdf2, step: 1 ms, end: 3 ms}\n"
+
+        def told(more="", kind="cylindrical", initial="", point="0.02", axis="[0, 0, 1]"):
+            text = fist.replace("MORE", more).replace("KIND", kind).replace("POINT", point).replace("AXIS", axis)
+            self.write("in.yaml", text + initial + time)
+            return self.pliant("run", "in.yaml", "--quiet").stderr
+
+        places = told(initial="initial: {displacement: [0.001, 0, 0.002]}\n")
+        self.assertIn("in.yaml:2", places)
+        self.assertIn("moves bodies as their joints forbid: 'guide' of ground and fist by 0.001 m", places)
+        self.assertEqual(told(initial="initial: {displacement: [0, 0, 0.002]}\n"), "")
+        self.assertEqual(told(", angular_velocity: [0, 0, 20], velocity: [0, 0, 1]"), "")
+        self.assertIn("joints forbid the velocities at the start: 'guide' of ground and fist by 2 m/s", told(", velocity: [2, 0, 1]"))
+        # About a point beside the center: the velocity that belongs to the rotation is missing.
+        beside = told(", angular_velocity: [5, 0, 0]", "hinge", point="0.12", axis="[1, 0, 0]")
+        self.assertIn("velocity = angular_velocity x arm", beside)
+
+    def test_static_analyses_tell_of_free_rotations(self):
+        strut = """rigid_bodies:
+  - {name: strut, mass: 1, inertia: [1e-3, 1e-2, 1e-2], center: [0.5, 0, 0]}
+  - {name: bob, mass: 1, inertia: [1e-3, 1e-3, 1e-3], center: [1, 0, -0.5]}
+joints:
+  - {name: top, type: ball, between: [ground, strut], point: [0, 0, 0]}
+  - {name: tip, type: fixed, between: [strut, bob], point: [1, 0, 0]}
+springs: [{name: coil, points: [{body: ground, point: [1, 0, 1]}, {body: HELD, point: [1, 0, 0]}], stiffness: 100}]
+loads: [{gravity: [0.1, 0, -9.81]}]
+"""
+        link = """rigid_bodies: [{name: link, mass: 1, inertia: [1e-3, 1e-2, 1e-2], center: [0.5, 0, 0]}]
+joints: [{name: top, type: KIND, between: [ground, link], point: [0, 0, 0]}]
+loads: [{gravity: [0.1, 0, -9.81]}]
+"""
+        time = "time: {method: static}\n"
+        for ranks in (1, 2):
+            self.write("in.yaml", link.replace("KIND", "ball") + time)
+            told = self.pliant("run", "in.yaml", status=2, ranks=ranks).stderr
+            self.assertIn("in.yaml:1", told)
+            self.assertIn("nothing resists a rotation of 'link' about the axis [1, 0, 0] through the center of mass", told)
+        self.write("in.yaml", link.replace("KIND", "ball").replace("between: [ground, link], point: [0, 0, 0]}]", "between: [ground, link], point: [0.5, 0, 0]}]") + time)
+        self.assertIn("nothing resists a rotation of 'link' through", self.pliant("check", "in.yaml", status=2).stderr)
+        floating = self.chain("hinge").replace("joints:", "  - {name: post, mass: 1, inertia: [1, 1, 1], center: [0, 0, 1]}\njoints:")
+        self.write("in.yaml", floating.replace("[ground, one]", "[ground, post]") + time)
+        self.assertIn("nothing holds 'one', 'two':", self.pliant("check", "in.yaml", status=2).stderr)
+        # Held: by joints that leave no such rotation, or by a spring that may hold it.
+        held = link.replace("KIND", "universal").replace("point: [0, 0, 0]}]", "point: [0, 0, 0], axis: [0, 1, 0], second_axis: [0, 0, 1]}]")
+        h = self.solve(held.replace("[0.1, 0, -9.81]", "[9.81, 0, -1]"), "method: static, load_steps: 2")
+        self.assertAlmostEqual(h["link_z"][-1] / h["link_x"][-1], -1 / 9.81, delta=1e-6)
+        self.write("in.yaml", strut.replace("HELD", "bob") + time)
+        self.pliant("check", "in.yaml")
+
     def test_a_free_body_keeps_its_momenta(self):
         body = """rigid_bodies:
   - {name: brick, mass: 2, inertia: [0.01, 0.02, 0.025, 0.001, 0, 0.002], center: [1, 2, 3], velocity: [1, -1, 0.5], angular_velocity: [3, 1, 2]}

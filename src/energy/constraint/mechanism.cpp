@@ -52,6 +52,16 @@ Mechanism::Mechanism(const NodeLayout& layout, std::vector<std::unique_ptr<Rigid
   hosts_.resize(static_cast<std::size_t>(columns_.cols()));
 }
 
+JointSystem::Matrix Mechanism::free_motions_near(const Vector& moved) const {
+  Vector xi = preferred_ * moved;
+  if (!approach(xi)) return preferred_;
+  Vector g;
+  Matrix G;
+  joints_.configuration(motions(xi), Along::columns, given_, g, G);
+  const Eigen::HouseholderQR<Matrix> qr(G.transpose());
+  return Matrix(qr.householderQ()).rightCols(preferred_.cols());
+}
+
 void Mechanism::set_rigidity(Rigidity rigidity) {
   rigidity_ = rigidity;
   for (const auto& part : parts_) part->set_rigidity(rigidity);
@@ -358,6 +368,34 @@ std::vector<BodyMotion<double>> Mechanism::allowed_velocities(std::size_t part) 
 
 void Mechanism::subtract_given(Vec v) const {
   for (const auto& part : parts_) part->subtract_given(v);
+}
+
+std::vector<Mechanism::Violation> Mechanism::violations(const Step& step, Vec q, Vec v) const {
+  constexpr double rounding_of_places = 1e-6, rounding_of_velocities = 1e-5;  // of a few digits in an input
+  const auto at = states(step, Side::after, q, v);
+  const auto given_now = joints_.given(step.time, step.dt, 1.0, 1.0, Side::after);
+  JointSystem::Given resting = given_now;
+  for (auto& series : resting) series = {series.value, 0.0, 0.0};
+  std::vector<BodyMotion<double>> values, rates_of_parts;
+  double fastest = 0.0;
+  for (const auto& state : at) {
+    values.push_back(state.motion());
+    rates_of_parts.push_back(state.rate());
+    fastest = std::max(fastest, norm(state.velocity) + size_ * norm(state.omega));
+  }
+  Vector g;
+  Matrix G;
+  joints_.configuration(motions(at), Along::columns, given_now, g, G);
+  const Vector moving = joints_.rates(values, rates_of_parts, given_now),
+               still = joints_.rates(values, rates_of_parts, resting);
+  std::vector<Violation> result(joints_.num_joints());
+  for (Eigen::Index e = 0; e < g.size(); ++e) {
+    auto& [distance, speed] = result[joints_.joint_of(e)];
+    const double apart = std::abs(g[e]), rate = std::min(std::abs(moving[e]), std::abs(still[e]));
+    if (apart > rounding_of_places * size_) distance = std::max(distance, apart);
+    if (rate > rounding_of_velocities * fastest) speed = std::max(speed, rate);
+  }
+  return result;
 }
 
 std::array<RigidPart::RigidState, 2> Mechanism::states(const std::array<int, 2>& parts, Vec q, Vec v) const {
