@@ -43,6 +43,7 @@ std::string line_of(const JointConfig& joint) {
   if (joint.second_axis) text += fmt::format(" and {}", place(unit(Vector3<double>(*joint.second_axis))));
   if (joint.motion) text += ", moved";
   if (joint.motor) text += ", motor";
+  if (joint.bearing) text += fmt::format(", bearing with friction {:.6g}", joint.bearing->friction);
   if (joint.limits) text += fmt::format(", stops at {:.6g} and {:.6g}", (*joint.limits)[0], (*joint.limits)[1]);
   return text;
 }

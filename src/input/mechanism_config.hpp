@@ -67,6 +67,12 @@ struct JointConfig {
     double stiffness = 0.0;  ///< [N m/rad] or [N/m]
     double rest = 0.0;       ///< [rad] or [m]
   };
+  /// Dry friction from the load that the joint carries.
+  struct Bearing {
+    double friction = 0.0;         ///< coefficient
+    std::optional<double> radius;  ///< at which it slides [m]; a hinge has one
+    std::optional<double> length;  ///< between the places that carry the load, along the axis [m]
+  };
   std::string name;
   JointType type = JointType::fixed;
   std::array<std::string, 2> between;
@@ -81,7 +87,8 @@ struct JointConfig {
   std::optional<std::array<double, 2>> limits;  ///< of the angle [rad] or travel [m]
   std::optional<double> limit_stiffness;        ///< of the stops there [N m/rad] or [N/m]; none: from masses and steps
   std::optional<double> friction;               ///< [N m] or [N]
-  double stick_rate = 0.0;                      ///< [rad/s] or [m/s]
+  std::optional<Bearing> bearing;
+  double stick_rate = 0.0;  ///< [rad/s] or [m/s]
   Location where;
 };
 

@@ -28,6 +28,15 @@ std::vector<JointLaw> laws_of(const JointConfig& joint, bool is_static) {
   return laws;
 }
 
+/// Friction in the bearing of a joint; nothing without a coefficient, and in a static equilibrium.
+std::optional<BearingFriction> bearing_of(const JointConfig& joint, const ModelJoint& model, bool is_static) {
+  if (!joint.bearing || !(joint.bearing->friction > 0.0) || is_static) return std::nullopt;
+  const auto& [friction, radius, length] = *joint.bearing;
+  return BearingFriction{model.mechanism->follow({coordinate_of_joint(model), friction, radius, length, model.axis,
+                                                  model.second_point, model.bodies, model.number}),
+                         joint.stick_rate};
+}
+
 /// The number of the rigid body that a constraint makes rigid.
 std::optional<int> rigid_body_of(const Config& config, const ConstraintConfig& constraint) {
   for (std::size_t b = 0; b < config.bodies.size(); ++b) {
@@ -50,6 +59,7 @@ std::vector<std::unique_ptr<EnergyTerm>> make_joint_efforts(const Config& config
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const JointConfig& given = config.joints[j];
     auto laws = laws_of(given, is_static);
+    if (const auto bearing = bearing_of(given, joints[j], is_static)) laws.emplace_back(*bearing);
     if (laws.empty() && !given.limits) continue;
     JointEffort::Joint joint{{-1, -1}, coordinate_of_joint(joints[j]), {}};
     for (std::size_t side = 0; side < 2; ++side) {

@@ -4,6 +4,7 @@
 #include "input/analysis.hpp"
 #include "mesh/disjoint_sets.hpp"
 #include "model/rods.hpp"
+#include "model/unresisted_motions.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -206,6 +207,7 @@ class RigidSystemBuilder {
     if (joints.empty()) {
       const auto n = static_cast<Eigen::Index>(rigid.front()->hosts().size());
       require_mass(parts, JointSystem::Matrix::Identity(n, n));
+      require_resistance(parts, nullptr, static_cast<Eigen::Index>(rigid.front()->hosts().size()) < 6);
       for (auto& part : rigid) system_.dependents.push_back(std::move(part));
       return;
     }
@@ -224,9 +226,12 @@ class RigidSystemBuilder {
         equations.push_back({std::move(kind), joint.bodies, k});
       }
     }
+    const bool is_on_ground =
+        std::ranges::any_of(equations, [](const JointEquation& of) { return of.bodies[0] < 0 || of.bodies[1] < 0; });
     auto mechanism = std::make_unique<Mechanism>(constraints_.layout, std::move(rigid), std::move(equations));
     report_dependent(*mechanism, joints);
     require_mass(parts, mechanism->free_motions());
+    require_resistance(parts, mechanism.get(), is_on_ground);
     for (const std::size_t j : joints) system_.joints[j].mechanism = mechanism.get();
     system_.dependents.push_back(std::move(mechanism));
   }
@@ -263,6 +268,14 @@ class RigidSystemBuilder {
         fmt::format("a rotation of {} has no moment of inertia, and no joint prevents it: forces do not "
                     "determine it; give a moment of inertia, however small, or a joint that leaves less free",
                     joined(names)));
+  }
+
+  void require_resistance(const std::vector<std::size_t>& parts, const Mechanism* mechanism, bool is_on_ground) {
+    ConnectedBodies bodies{{}, mechanism, is_on_ground};
+    for (const std::size_t c : parts) bodies.names.push_back(constraints_.config.constraints[c].part.name);
+    if (const auto found = find_unresisted_motion(constraints_.config, bodies)) {
+      selections_.report(found->where, found->message);
+    }
   }
 
   void report_dependent(const Mechanism& mechanism, const std::vector<std::size_t>& joints) {

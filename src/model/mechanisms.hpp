@@ -19,13 +19,13 @@ std::array<Vector3<double>, 2> across(const Vector3<double>& axis);
 struct ModelJoint {
   std::string name;
   JointType type = JointType::fixed;
-  Vector3<double> point{};               ///< at the start [m]
-  Vector3<double> second_point{};        ///< on the second body at the start; that of `point` unless it is a distance
-  Vector3<double> axis{};                ///< at the start, of unit length; zero if it has none
-  std::array<std::size_t, 2> parts{};    ///< constraints; `ground` for the ground
-  const Mechanism* mechanism = nullptr;  ///< of which it is a part
-  std::array<int, 2> bodies{};           ///< of the mechanism
-  std::size_t number = 0;                ///< among the joints of the mechanism
+  Vector3<double> point{};             ///< at the start [m]
+  Vector3<double> second_point{};      ///< on the second body at the start; that of `point` unless it is a distance
+  Vector3<double> axis{};              ///< at the start, of unit length; zero if it has none
+  std::array<std::size_t, 2> parts{};  ///< constraints; `ground` for the ground
+  Mechanism* mechanism = nullptr;      ///< of which it is a part
+  std::array<int, 2> bodies{};         ///< of the mechanism
+  std::size_t number = 0;              ///< among the joints of the mechanism
   static constexpr auto ground = static_cast<std::size_t>(-1);
 };
 

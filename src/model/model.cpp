@@ -11,6 +11,7 @@
 #include "model/events.hpp"
 #include "model/initial_displacement.hpp"
 #include "model/joint_efforts.hpp"
+#include "model/joints_at_start.hpp"
 #include "model/may_touch.hpp"
 #include "model/mesh_cell_data.hpp"
 #include "model/mesh_source.hpp"
@@ -68,6 +69,7 @@ void Model::build(const Mesh& mesh, const TermFactory& additional) {
          "nothing moves the bodies: no load, no prescribed motion, no initial velocity; the result is 0");
   }
   make_equation(config);
+  include(warnings_about_joints_at_start(config, layout_, body_of_cell_, constraints_->joints()));
   if (contacts_) include(contacts_->warnings_about_start(instant_of_start(), config.initial.displacement));
   check_overlap(config);
   include(notes_of_idle_keys(config));
@@ -387,8 +389,11 @@ StageEquation& Model::equation() {
 PrescribedMotion Model::motion(Correction correction) const {
   PrescribedMotion motion = constraints_->motion(correction);
   if (!inertia_ || analysis_of(config_) != Analysis::dynamic) return motion;
+  const Method* const method = integrator_of(config_);
+  const bool is_symplectic = method != nullptr && method->symplectic;
   return with_projected_velocities(std::move(motion),
-                                   {layout_, *inertia_, constraints_->prescribed().flags(), constraints_->map()});
+                                   {layout_, *inertia_, constraints_->prescribed().flags(), constraints_->map()},
+                                   is_symplectic ? EndVelocities::of_method : EndVelocities::projected);
 }
 
 void Model::require_finite(double time) const {
@@ -400,17 +405,7 @@ void Model::require_finite(double time) const {
 }
 
 void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
-  {
-    const ArrayView displacement(q), velocity(v);
-    for (PetscInt n = 0; n < layout_.num_owned_nodes; ++n) {
-      const auto [x, y, z] = layout_.position(n);
-      for (int i = 0; i < 3; ++i) {
-        displacement[3 * n + i] = config.initial.displacement[i](x, y, z, 0.0);
-        velocity[3 * n + i] = config.initial.velocity[i](x, y, z, 0.0);
-      }
-    }
-  }
-  set_velocities_of_rigid_bodies(config, layout_, body_of_cell_, v);
+  put_initial_state(config, layout_, body_of_cell_, q, v);
   for (const auto& [what, vec] : {std::pair{"displacement", q}, {"velocity", v}})
     require_finite_initial(config, layout_, what, vec);
   const Step before_start{0.0, config.time.step};

@@ -70,6 +70,7 @@ std::vector<std::string> HistoryRow::names_of_columns(const Config& config, cons
   for (std::string& name : rigid_states_.columns()) names.push_back(std::move(name));
   for (const ModelTendon& tendon : model_.tendons()) {
     for (const char* suffix : {"_tension", "_length"}) names.push_back(tendon.name + suffix);
+    if (tendon.friction) names.push_back(tendon.name + "_anchor_tension");
   }
   for (const std::string& spring : model_.springs().names) {
     for (const char* suffix : {"_length", "_force"}) names.push_back(spring + suffix);
@@ -189,13 +190,18 @@ std::vector<double> HistoryRow::tendon_states(const StepRecord& record) {
   std::vector<double> values;
   if (model_.tendons().empty()) return values;
   check(VecCopy(record.q, q_.get()));
+  check(VecCopy(record.v, v_.get()));
   update_ghosts(q_.get());
-  const ConstGhostedView u(q_.get());
+  update_ghosts(v_.get());
+  const ConstGhostedView u(q_.get()), velocity(v_.get());
   const Instant at = record.instant(model_);
   for (const ModelTendon& tendon : model_.tendons()) {
     const double longer = lengthening_of(tendon, model_.layout(), u.span());
     values.insert(values.end(),
                   {tension_at_pulled_end(tendon.drive, longer, at.time, at.load_factor), tendon.length + longer});
+    if (tendon.friction) {
+      values.push_back(tensions_of(tendon, model_.layout(), u.span(), velocity.span(), at).back());
+    }
   }
   return values;
 }

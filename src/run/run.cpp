@@ -390,7 +390,7 @@ class Run {
     if (s.worst_rounding > doubtful_rounding) {
       console_.warn(fmt::format(
           "{} of {} solves ended at the limit of double precision, one of them with {:.1e} of the forces unbalanced: "
-          "the body is too stiff relative to its loads for a more accurate solution",
+          "the bodies are too stiff relative to the forces on them for a more accurate solution",
           s.rounding_stops, s.stages, s.worst_rounding));
     }
     if (s.unstable_stages > 0) {

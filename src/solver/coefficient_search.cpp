@@ -50,7 +50,7 @@ void CoefficientSearch::settle(Vec q, StageReport& report) {
     if (round == max_rounds || (round >= many_rounds && rounds && rounds->error() > little_nearer)) {
       report.outcome = StageOutcome::retry;
       report.reason = fmt::format(
-          "friction did not settle within {} solves, each with the contact pressure of the previous one", round);
+          "friction did not settle within {} solves, each with the normal forces of the previous one", round);
       return;
     }
     const int before = report.newton_iterations;

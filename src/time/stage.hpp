@@ -25,10 +25,12 @@ struct StagePoint {
       1.0;  ///< multiplies loads and prescribed displacements (load stepping of static problems; else 1)
   double step_start = 0.0;  ///< t_n; functions of time are smooth from there on [s]
   Vec z0 = nullptr;         ///< internal variables at the stage's start; nullptr if there are none
-  /// Set while the last stage of a step on a vector space is solved: q_{n+1} = end_rest + end_weight q. Otherwise 0.
+  /// Set while the last stage of a step on a vector space is solved: q_{n+1} = end_rest + end_weight q. Symplectic
+  /// methods are midpoint rules one after another, and it is set in each stage, for the end of its own one. Otherwise
+  /// 0.
   double end_weight = 0.0;
   Vec end_rest = nullptr;    ///< nullptr: zero, as for stiffly accurate methods
-  double end_time = 0.0;     ///< t_{n+1}, where end_weight is set [s]
+  double end_time = 0.0;     ///< t_{n+1}, or that of the end of the midpoint rule, where end_weight is set [s]
   Vec centre = nullptr;      ///< q_n, around which coordinates are taken; nullptr on a vector space
   Vec accepted = nullptr;    ///< q_n on a vector space: the configuration from which the step starts [m]
   Vec accepted_z = nullptr;  ///< z_n, the internal variables from which the step starts; nullptr if there are none

@@ -20,6 +20,7 @@ Stepper::Stepper(const Method& method, System system, const StateView& like)
   check(VecDuplicate(like.v, a_.out()));
   for (std::size_t i = 0; i < method_.bt_embedded.size(); ++i)
     embedded_.push_back(method_.bt[i] - method_.bt_embedded[i]);
+  if (method_.symplectic && method_.num_stages > 1) check(VecDuplicate(like.v, midpoint_rest_.out()));
   const auto l = static_cast<std::size_t>(method_.num_steps);
   if (system_.guess == Guess::predicted && !system_.space) predictor_.emplace(method_.num_stages, like.v);
   if (system_.space) {
@@ -174,6 +175,13 @@ void Stepper::start(StagePoint& stage) {
     q_.start_last_stage(method_.bt);
     stage.end_weight = method_.bt[i];
     stage.end_rest = method_.stiffly_accurate ? nullptr : q_.end();
+  } else if (method_.symplectic && !system_.space) {
+    // A_ii = b_i / 2 and A_ij = b_j: stage i is the middle of a step of the length b_i dt from q_i0 to 2 q_i - q_i0.
+    check(VecCopy(stage.q0, midpoint_rest_.get()));
+    check(VecScale(midpoint_rest_.get(), -1.0));
+    stage.end_weight = 2.0;
+    stage.end_rest = midpoint_rest_.get();
+    stage.end_time = stage.time + stage.dt;
   }
   if (z_) stage.z0 = z_->start();
   switch (system_.guess) {

@@ -136,6 +136,7 @@ class Stepper {
   // the step.
   std::vector<Handle<Vec>> charted_;
   Handle<Vec> rate_, end_q_;
+  Handle<Vec> midpoint_rest_;  // StagePoint::end_rest of the midpoint rules before the last
   // The past states, newest first.
   std::vector<double> past_times_;
   std::vector<Vec> past_q_, past_v_, past_z_;

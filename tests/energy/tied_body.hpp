@@ -102,7 +102,8 @@ class TiedBody {
   PrescribedMotion motion() const {
     PrescribedMotion motion = map_->motion(prescribed_.motion());
     if (!inertia_) return motion;
-    return with_projected_velocities(std::move(motion), {layout(), *inertia_, prescribed_.flags(), map_.get()});
+    return with_projected_velocities(std::move(motion), {layout(), *inertia_, prescribed_.flags(), map_.get()},
+                                     EndVelocities::projected);
   }
   double strain_energy(Vec q) const { return sum(layout().comm, elastic().energy(local_values(q), {})); }
 

@@ -71,7 +71,7 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
       {"joints",
        "[{name: j, type: hinge, between: [ground, r], point: [0, 0, 0], axis: [0, 0, 1], spring: {stiffness: 1, "
        "rest: 1}, damping: 1, motor: {target: t, stiffness: 1, damping: 1, limit: 1, effort: t}, limits: [-1, 1], "
-       "limit_stiffness: 1, friction: 1, stick_rate: 1}, {name: k, type: "
+       "limit_stiffness: 1, friction: 1, bearing: {friction: 1, radius: 1, length: 1}, stick_rate: 1}, {name: k, type: "
        "universal, between: [ground, r], point: [0, 0, 0], axis: [0, 0, 1], second_axis: [1, 0, 0]}, {name: l, "
        "type: distance, between: [ground, r], point: [0, 0, 0], second_point: [1, 0, 0], motion: t}]"},
       {"tendons",

@@ -120,6 +120,7 @@ class Tendons(ProgramTest):
         early, late = h["time"] < 1.005, h["time"] > 1.855
         np.testing.assert_allclose(h["cord_tension"][early][1:] / beyond[early][1:], ratio, rtol=1e-6)
         np.testing.assert_allclose(beyond[late] / h["cord_tension"][late], ratio, rtol=1e-6)
+        np.testing.assert_allclose(h["cord_anchor_tension"][1:], beyond[1:], rtol=1e-6)
         stuck = (h["time"] > 1.05) & (h["time"] < 1.8)  # until the tension has fallen by the ratio squared
         np.testing.assert_allclose(beyond[stuck], 10 / ratio, rtol=1e-3)
         self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-8)

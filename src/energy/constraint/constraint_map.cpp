@@ -215,6 +215,20 @@ void ConstraintMap::add_curvature(Vec y, Vec f, Mat K, const std::function<Petsc
   assemble(K);
 }
 
+bool ConstraintMap::is_driven() const {
+  return std::ranges::any_of(dependents_, [](const auto& dependent) { return dependent->is_driven(); });
+}
+
+bool ConstraintMap::refreezes() const {
+  return std::ranges::any_of(dependents_, [](const auto& dependent) { return dependent->refreezes(); });
+}
+
+void ConstraintMap::refreeze(Vec y, Vec r) {
+  for (const auto& dependent : dependents_) {
+    if (dependent->refreezes()) dependent->refreeze(unknowns_of(*dependent, y), r);
+  }
+}
+
 void ConstraintMap::restrict(Vec q, Vec y) const {
   check(VecCopy(q, y));
   for (const auto& dependent : dependents_) put_unknowns(*dependent, dependent->nearest_unknowns(q), y);

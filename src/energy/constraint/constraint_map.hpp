@@ -54,6 +54,12 @@ class ConstraintMap {
   Mat test_matrix() const { return W_.get(); }
   /// K += sum_i f_i dW_i/dy; `f`: forces on q. `place`: the index of an entry of y in K.
   void add_curvature(Vec y, Vec f, Mat K, const std::function<PetscInt(PetscInt)>& place) const;
+  /// DependentNodes::is_driven, of any. Not collective.
+  bool is_driven() const;
+  /// DependentNodes::refreezes, of any. Not collective.
+  bool refreezes() const;
+  /// DependentNodes::refreeze, of all, at y; r: a gradient in q.
+  void refreeze(Vec y, Vec r);
   /// LinearTies::weigh_slaves.
   void weigh_slaves(Vec q, Vec x) const { ties_.weigh_slaves(q, x); }
   /// A vector with the layout of q and y.

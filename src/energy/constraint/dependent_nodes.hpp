@@ -82,6 +82,12 @@ class DependentNodes {
   virtual std::vector<const RigidPart*> parts() const { return {}; }
   /// After begin_end_of_step: the velocities of one of these parts that are allowed, by each unknown. Not collective.
   virtual std::vector<BodyMotion<double>> allowed_velocities(std::size_t /*part*/) const { return {}; }
+  /// Whether terms depend on forces of the constraint that are frozen (StageEquation::refreeze). Not collective.
+  virtual bool refreezes() const { return false; }
+  /// Freezes them at what they are at the unknowns, where the gradient of the potential is r; no r: at zero.
+  virtual void refreeze(std::span<const double> /*unknowns*/, Vec /*r*/) {}
+  /// Whether they move by formulas of time besides what subtract_given removes. Not collective.
+  virtual bool is_driven() const { return false; }
   /// Removes what is prescribed from the velocities of the nodes.
   virtual void subtract_given(Vec v) const = 0;
 };

@@ -52,6 +52,16 @@ Mechanism::Mechanism(const NodeLayout& layout, std::vector<std::unique_ptr<Rigid
   hosts_.resize(static_cast<std::size_t>(columns_.cols()));
 }
 
+JointSystem::Matrix Mechanism::free_motions_near(const Vector& moved) const {
+  Vector xi = preferred_ * moved;
+  if (!approach(xi)) return preferred_;
+  Vector g;
+  Matrix G;
+  joints_.configuration(motions(xi), Along::columns, given_, g, G);
+  const Eigen::HouseholderQR<Matrix> qr(G.transpose());
+  return Matrix(qr.householderQ()).rightCols(preferred_.cols());
+}
+
 void Mechanism::set_rigidity(Rigidity rigidity) {
   rigidity_ = rigidity;
   for (const auto& part : parts_) part->set_rigidity(rigidity);
@@ -256,41 +266,6 @@ void Mechanism::combine(Solution& solution) const {
   }
 }
 
-// With the forces phi on the parts' unknowns and V = N - G_ref^T (G_W G_ref^T)^-1 G_W N: phi^T dV = -lambda^T dG_W V,
-// lambda = (G_W G_ref^T)^-T G_ref phi.
-std::vector<double> Mechanism::curvature(std::span<const double> unknowns, Vec f) const {
-  const Solution& solution = at(unknowns);
-  const auto all = static_cast<Eigen::Index>(first_.back());
-  Matrix of_parts = Matrix::Zero(all, all);
-  Vector phi = Vector::Zero(all);
-  std::vector<std::vector<BodyMotion<double>>> bends;
-  const ConstArrayView forces(f);
-  for (std::size_t p = 0; p < parts_.size(); ++p) {
-    const auto first = static_cast<Eigen::Index>(first_[p]);
-    const auto xi = of_part(solution.xi, p);
-    const auto n = static_cast<Eigen::Index>(xi.size());
-    const MotionForce force = parts_[p]->force_on_motion(forces.span());
-    bends.push_back(parts_[p]->bends(xi, solution.parts[p].columns));
-    for (Eigen::Index k = 0; k < n; ++k) {
-      phi[first + k] = force.along(solution.parts[p].test_columns[static_cast<std::size_t>(k)]);
-      for (Eigen::Index l = 0; l < n; ++l) {
-        of_parts(first + k, first + l) = force.along(bends[p][static_cast<std::size_t>(k * n + l)]);
-      }
-    }
-  }
-  Matrix result = solution.test_columns.transpose() * of_parts * solution.columns;
-  if (!joints_.empty()) {
-    const Vector lambda = solution.test.transpose().solve(G_ref_ * phi);
-    const Matrix of_joints = joints_.curvature(solution.parts, bends, given_, lambda);
-    result -= solution.test_columns.transpose() * of_joints * solution.columns;
-  }
-  std::vector<double> rows;
-  for (Eigen::Index k = 0; k < result.rows(); ++k) {
-    for (Eigen::Index l = 0; l < result.cols(); ++l) rows.push_back(result(k, l));
-  }
-  return rows;
-}
-
 std::vector<double> Mechanism::nearest_unknowns(Vec q) const {
   Vector solution = nearest_of_parts(q);
   Vector on_joints = solution;
@@ -395,6 +370,34 @@ void Mechanism::subtract_given(Vec v) const {
   for (const auto& part : parts_) part->subtract_given(v);
 }
 
+std::vector<Mechanism::Violation> Mechanism::violations(const Step& step, Vec q, Vec v) const {
+  constexpr double rounding_of_places = 1e-6, rounding_of_velocities = 1e-5;  // of a few digits in an input
+  const auto at = states(step, Side::after, q, v);
+  const auto given_now = joints_.given(step.time, step.dt, 1.0, 1.0, Side::after);
+  JointSystem::Given resting = given_now;
+  for (auto& series : resting) series = {series.value, 0.0, 0.0};
+  std::vector<BodyMotion<double>> values, rates_of_parts;
+  double fastest = 0.0;
+  for (const auto& state : at) {
+    values.push_back(state.motion());
+    rates_of_parts.push_back(state.rate());
+    fastest = std::max(fastest, norm(state.velocity) + size_ * norm(state.omega));
+  }
+  Vector g;
+  Matrix G;
+  joints_.configuration(motions(at), Along::columns, given_now, g, G);
+  const Vector moving = joints_.rates(values, rates_of_parts, given_now),
+               still = joints_.rates(values, rates_of_parts, resting);
+  std::vector<Violation> result(joints_.num_joints());
+  for (Eigen::Index e = 0; e < g.size(); ++e) {
+    auto& [distance, speed] = result[joints_.joint_of(e)];
+    const double apart = std::abs(g[e]), rate = std::min(std::abs(moving[e]), std::abs(still[e]));
+    if (apart > rounding_of_places * size_) distance = std::max(distance, apart);
+    if (rate > rounding_of_velocities * fastest) speed = std::max(speed, rate);
+  }
+  return result;
+}
+
 std::array<RigidPart::RigidState, 2> Mechanism::states(const std::array<int, 2>& parts, Vec q, Vec v) const {
   std::array<RigidPart::RigidState, 2> result;
   for (std::size_t side = 0; side < 2; ++side) {
@@ -402,30 +405,6 @@ std::array<RigidPart::RigidState, 2> Mechanism::states(const std::array<int, 2>&
     result[side] = parts_[static_cast<std::size_t>(parts[side])]->state(q, v);
   }
   return result;
-}
-
-// At the step's end: the forces of the joints balance those on the unknowns of the parts, G^T lambda = phi.
-std::vector<JointReaction> Mechanism::reactions(Vec r, Vec q, std::span<const Vector3<double>> points) const {
-  std::vector<RigidPart::RigidState> at;
-  for (const auto& part : parts_) at.push_back(part->state(q, q));
-  const std::vector<PartMotion> motions_now = motions(at);
-  Vector g;
-  Matrix G;
-  joints_.configuration(motions_now, Along::columns, given_, g, G);
-  std::vector<double> forces(first_.back(), 0.0);
-  {
-    const ConstArrayView gradient(r);
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
-      const MotionForce force = parts_[p]->force_on_motion(gradient.span());
-      for (std::size_t k = 0; k < motions_now[p].columns.size(); ++k) {
-        forces[first_[p] + k] = force.along(motions_now[p].columns[k]);
-      }
-    }
-  }
-  sum_in_place(comm_, forces);
-  const Eigen::Map<const Vector> phi(forces.data(), static_cast<Eigen::Index>(forces.size()));
-  const Vector lambda = Matrix(G * G.transpose()).partialPivLu().solve(G * phi);
-  return joints_.reactions(motions_now, given_, lambda, points);
 }
 
 }  // namespace pliant

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "energy/constraint/rigid_part.hpp"
+#include "energy/rigid/joint_bearing.hpp"
 #include "energy/rigid/joint_system.hpp"
 
 #include <eigen3/Eigen/Core>
@@ -34,7 +35,12 @@ class Mechanism final : public DependentNodes {
 
   /// JointSystem::dependent_joints, at the reference configuration. Not collective.
   std::vector<std::size_t> dependent_joints() const { return joints_.dependent_joints(G_ref_); }
+  /// The size of the largest part [m].
+  double size() const { return size_; }
   std::size_t num_degrees_of_freedom() const { return hosts_.size(); }
+  /// The motions that the joints leave near the reference configuration, where it is moved along free_motions() by
+  /// these numbers [m]; before the first stage. Collective.
+  JointSystem::Matrix free_motions_near(const JointSystem::Vector& moved) const;
   /// The motions that the joints leave at the reference configuration: orthonormal columns in the unknowns of all
   /// parts.
   const JointSystem::Matrix& free_motions() const { return preferred_; }
@@ -64,8 +70,21 @@ class Mechanism final : public DependentNodes {
   std::vector<const RigidPart*> parts() const override;
   std::vector<BodyMotion<double>> allowed_velocities(std::size_t part) const override;
 
+  bool is_driven() const override { return joints_.is_driven(); }
+  bool refreezes() const override { return !bearings_.empty(); }
+  void refreeze(std::span<const double> unknowns, Vec r) override;
+  /// The largest effort of friction in a bearing, from the load that it carries in a stage (StageEquation::refreeze).
+  std::shared_ptr<const double> follow(const JointBearing& bearing) { return bearings_.add(bearing); }
+
   /// The states of two of the parts (JointEquation::ground: at rest) that are nearest to q and v. Collective.
   std::array<RigidPart::RigidState, 2> states(const std::array<int, 2>& parts, Vec q, Vec v) const;
+  /// How far a state at a step's start is from what a joint allows; zero where rounding of an input explains it.
+  struct Violation {
+    double distance = 0.0;  ///< [m]; of rotations about the arm of the bodies
+    double speed = 0.0;     ///< likewise, of what no formula of time prescribes [m/s]
+  };
+  /// Those of all joints, of the states of the parts nearest to q and v. Collective.
+  std::vector<Violation> violations(const Step& step, Vec q, Vec v) const;
   /// The reactions of the joints, from the gradient r of the potential at q, where nothing else holds the bodies.
   /// `points`: of the joints, in the reference configuration [m]. Collective.
   std::vector<JointReaction> reactions(Vec r, Vec q, std::span<const Vector3<double>> points) const;
@@ -110,6 +129,7 @@ class Mechanism final : public DependentNodes {
   std::vector<std::unique_ptr<RigidPart>> parts_;
   std::vector<std::size_t> first_;  // unknown of each part, and their number
   JointSystem joints_;
+  JointBearings bearings_;
   double size_ = 0.0;  // of the parts [m]
   std::vector<PetscInt> nodes_, hosts_;
   std::vector<std::size_t> part_of_node_;  // per local owned node

@@ -44,10 +44,21 @@ void VelocityProjection::operator()(Vec q, Vec wanted, Vec v, Scope scope) {
   check(VecAXPY(v, 1.0, difference_.get()));
 }
 
-PrescribedMotion with_projected_velocities(PrescribedMotion motion, const ConstrainedMass& bodies) {
+PrescribedMotion with_projected_velocities(PrescribedMotion motion, const ConstrainedMass& bodies,
+                                           EndVelocities end_velocities) {
   using Scope = VelocityProjection::Scope;
   const auto wanted = std::make_shared<Handle<Vec>>(make_vector(bodies.layout));
-  if (bodies.map != nullptr && !bodies.map->is_symmetric()) {
+  const bool has_free_parts = bodies.map != nullptr && !bodies.map->is_symmetric();
+  if (has_free_parts && end_velocities == EndVelocities::of_method && !bodies.map->is_driven()) {
+    motion.complete_step = [wanted, map = bodies.map, complete = std::move(motion.complete_step)](const Step& step,
+                                                                                                  Vec q, Vec v) {
+      check(VecCopy(v, wanted->get()));
+      complete(step, q, v);
+      check(VecAXPY(wanted->get(), -1.0, v));
+      map->keep_free_motion_of_dependents(wanted->get());
+      check(VecAXPY(v, 1.0, wanted->get()));
+    };
+  } else if (has_free_parts) {
     const std::shared_ptr<PartVelocityProjection> of_parts = PartVelocityProjection::make(bodies);
     const auto of_all = of_parts == nullptr ? std::make_shared<VelocityProjection>(bodies) : nullptr;
     motion.complete_step = [wanted, of_parts, of_all, complete = std::move(motion.complete_step)](const Step& step,

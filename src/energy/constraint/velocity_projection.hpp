@@ -34,8 +34,19 @@ class VelocityProjection {
   Handle<Vec> difference_, rhs_, w_;
 };
 
-/// `motion` with its velocities projected: after a restart and, where rigid parts rotate freely, those of the method at
-/// the end of a step. The references in `bodies` must outlive all copies, which share their memory.
-PrescribedMotion with_projected_velocities(PrescribedMotion motion, const ConstrainedMass& bodies);
+/// The velocities of rigid parts that rotate freely, at the end of a step of a method.
+enum class EndVelocities {
+  projected,
+  /// Those of the method, which the constraints allow except for an error of second order, unless formulas of time move
+  /// joints (DependentNodes::is_driven). A midpoint rule whose configurations fulfil quadratic constraints at both ends
+  /// keeps the energy of the motion; a projection takes some of it away in each step. Source: Gonzalez 1999, Mechanical
+  /// systems subject to holonomic constraints: differential-algebraic formulations and conservative integration.
+  of_method
+};
+
+/// `motion` with its velocities projected: after a restart and, where rigid parts rotate freely, those at the end of a
+/// step. The references in `bodies` must outlive all copies, which share their memory.
+PrescribedMotion with_projected_velocities(PrescribedMotion motion, const ConstrainedMass& bodies,
+                                           EndVelocities end_velocities);
 
 }  // namespace pliant

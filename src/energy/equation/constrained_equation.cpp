@@ -203,8 +203,24 @@ std::unique_ptr<NodalRotations> ConstrainedEquation::make_rotations() const {
   return rotations;
 }
 
+void ConstrainedEquation::refreeze_map(Vec y, Vec r) {
+  {
+    const LeadingPart::Of unknowns(y_part_, y);
+    if (r == nullptr) {
+      map_.refreeze(unknowns.get(), nullptr);
+    } else {
+      const LeadingPart::Of forces(x_part_, r);
+      map_.refreeze(unknowns.get(), forces.get());
+    }
+  }
+  forget_gradients();
+}
+
+// A guess is not in equilibrium, and forces of constraints there may be of any size: the first solution is without what
+// follows from them.
 void ConstrainedEquation::freeze(Vec y) {
   forget_gradients();
+  if (map_.refreezes()) refreeze_map(y, nullptr);
   expand(y, x_.get());
   equation_.freeze(x_.get());
 }
@@ -212,11 +228,18 @@ void ConstrainedEquation::freeze(Vec y) {
 bool ConstrainedEquation::refreeze(Vec y) {
   forget_gradients();
   expand(y, x_.get());
-  return equation_.refreeze(x_.get());
+  const bool refreezes = equation_.refreeze(x_.get());
+  if (map_.refreezes()) refreeze_map(y, gradient_in_x(y));
+  return refreezes;
 }
 
 void ConstrainedEquation::drag(Vec y, Vec at, Vec f) {
   forget_gradients();
+  if (map_.refreezes()) {
+    expand(at, x_.get());
+    equation_.drag(x_.get(), x_.get(), full_gradient_.get());  // freezes the terms there
+    refreeze_map(at, gradient_in_x(at));
+  }
   expand(at, d_.get());
   expand(y, x_.get());
   equation_.drag(x_.get(), d_.get(), full_gradient_.get());

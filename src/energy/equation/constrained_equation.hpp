@@ -83,6 +83,8 @@ class ConstrainedEquation final : public StageEquation {
   /// The gradient of the equation at T(y), by evaluation unless it is one of the last two.
   Vec gradient_in_x(Vec y);
   void forget_gradients();
+  /// ConstraintMap::refreeze, with a gradient r in x.
+  void refreeze_map(Vec y, Vec r);
   Mat test_matrix() const { return (own_test_matrix_ ? *own_test_matrix_ : jacobian_).matrix(); }
   void set_near_null_space(Mat K) const;
   /// K = W^T (Hessian in x) J.

@@ -66,6 +66,9 @@ struct EffortOf {
     const double tanh = std::tanh(rate / friction.stick_rate);
     return {-friction.largest * tanh, 0.0, -friction.largest / friction.stick_rate * (1.0 - tanh * tanh)};
   }
+  JointEffortValue operator()(const BearingFriction& bearing) const {
+    return (*this)(JointFriction{*bearing.largest, bearing.stick_rate});
+  }
   JointEffortValue operator()(const JointMotor& motor) const {
     const TimeJet target = motor.target.derivatives(0.0, 0.0, 0.0, time, time);
     const double u = motor.stiffness * difference(factor * target.value, coordinate, turns) +
@@ -190,7 +193,8 @@ bool is_elastic(const JointLaw& law) {
 }
 
 bool dissipates(const JointLaw& law) {
-  return std::holds_alternative<JointDamper>(law) || std::holds_alternative<JointFriction>(law);
+  return std::holds_alternative<JointDamper>(law) || std::holds_alternative<JointFriction>(law) ||
+         std::holds_alternative<BearingFriction>(law);
 }
 
 /// A joint in a stage.
@@ -257,7 +261,7 @@ bool JointEffort::may_couple(int tag, int other) const {
 
 std::string_view JointEffort::name() const {
   constexpr std::array<std::string_view, std::variant_size_v<JointLaw>> names{
-      "joint-springs", "joint-dampers", "joint-motors", "joint-stops", "joint-friction"};
+      "joint-springs", "joint-dampers", "joint-motors", "joint-stops", "joint-friction", "bearing-friction"};
   return names[law().index()];
 }
 
@@ -266,6 +270,7 @@ TermDeclaration JointEffort::declaration() const {
   declaration.is_potential = is_elastic(law());
   declaration.account = std::holds_alternative<JointMotor>(law()) ? Account::load : Account::stored;
   declaration.dissipates = dissipates(law());
+  declaration.refreezes = std::holds_alternative<BearingFriction>(law());
   declaration.symmetry = is_elastic(law()) ? Symmetry::symmetric : Symmetry::nearly_symmetric;
   declaration.rotates_with_body = false;
   return declaration;

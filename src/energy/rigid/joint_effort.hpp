@@ -6,6 +6,7 @@
 #include "energy/term.hpp"
 #include "fem/layout.hpp"
 
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <variant>
@@ -39,7 +40,13 @@ struct JointStops {
 struct JointFriction {
   double largest = 0.0, stick_rate = 0.0;
 };
-using JointLaw = std::variant<JointSpring, JointDamper, JointMotor, JointStops, JointFriction>;
+/// As JointFriction, with a largest effort that follows from the load in the bearing (JointBearings). It is frozen
+/// while a stage is solved (TermDeclaration::refreezes).
+struct BearingFriction {
+  std::shared_ptr<const double> largest;
+  double stick_rate = 0.0;
+};
+using JointLaw = std::variant<JointSpring, JointDamper, JointMotor, JointStops, JointFriction, BearingFriction>;
 
 /// The effort of a law on the coordinate, and its derivatives.
 struct JointEffortValue {

@@ -47,6 +47,16 @@ BodyMotion<double> sum_of(double a, const BodyMotion<double>& x, const BodyMotio
 JointSystem::JointSystem(std::vector<JointEquation> equations, std::vector<std::size_t> first)
     : equations_(std::move(equations)), scales_(equations_.size(), 1.0), first_(std::move(first)) {}
 
+bool JointSystem::is_driven() const {
+  return std::ranges::any_of(equations_, [](const JointEquation& equation) { return equation.given() != nullptr; });
+}
+
+std::size_t JointSystem::num_joints() const {
+  std::size_t number = 0;
+  for (const JointEquation& equation : equations_) number = std::max(number, equation.joint + 1);
+  return number;
+}
+
 void JointSystem::scale_rows(Matrix& G) {
   for (Eigen::Index j = 0; j < num_equations(); ++j) {
     const double length = G.row(j).norm();

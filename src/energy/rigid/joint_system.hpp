@@ -32,6 +32,14 @@ class JointSystem {
   JointSystem(std::vector<JointEquation> equations, std::vector<std::size_t> first);
 
   bool empty() const { return equations_.empty(); }
+  /// JointEquation::joint.
+  std::size_t joint_of(Eigen::Index equation) const { return equations_[static_cast<std::size_t>(equation)].joint; }
+  /// Whether a formula of time moves a joint.
+  bool is_driven() const;
+  /// One more than the largest number of a joint.
+  std::size_t num_joints() const;
+  /// The first unknown of each body, and their number.
+  std::span<const std::size_t> first() const { return first_; }
   /// Scales the equations such that the rows of G, their derivatives, have length 1; scales G too.
   void scale_rows(Matrix& G);
 

@@ -53,6 +53,12 @@ void check_joint(const JointConfig& joint, bool is_dynamic, Diagnostics& diagnos
         fmt::format("the points of joint '{}' are one: a distance of 0 is a joint of type 'ball'", joint.name));
   }
   if (joint.limits) check_limits(joint, diagnostics);
+  if (joint.bearing && joint.type == JointType::hinge && !joint.bearing->radius) {
+    diagnostics.add(joint.where,
+                    fmt::format("the bearing of joint '{}' needs the radius of its pin: friction in a hinge "
+                                "is a torque, coefficient times radius times load; add 'radius'",
+                                joint.name));
+  }
   constexpr double rounding_of_start = 1e-9;  // [rad] or [m]
   const double start = joint.motion && is_dynamic ? (*joint.motion)(0.0, 0.0, 0.0, 0.0) : 0.0;
   if (std::abs(start) > rounding_of_start) {

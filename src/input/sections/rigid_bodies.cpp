@@ -60,6 +60,21 @@ Section<JointConfig::Spring> joint_spring_keys() {
   }};
 }
 
+Section<JointConfig::Bearing> bearing_keys() {
+  using B = JointConfig::Bearing;
+  return {{
+      field("friction", &B::friction, quantity("1", Range::at_least(0)), "coefficient of friction (Coulomb)")
+          .required(),
+      field("radius", &B::radius, quantity("m", Range::above(0)),
+            "radius of a hinge's pin, at which it slides; of a slider: distance from the axis at which torques about "
+            "it are carried")
+          .otherwise_in_words("a hinge needs one; a slider's friction does not depend on torques about its axis"),
+      field("length", &B::length, quantity("m", Range::above(0)),
+            "distance along the axis of the two places that carry the load; torques across the axis load them")
+          .otherwise_in_words("none: torques across the axis cause no friction"),
+  }};
+}
+
 Section<RigidBodyConfig::Surface> surface_keys() {
   using S = RigidBodyConfig::Surface;
   return {{
@@ -162,11 +177,15 @@ Section<JointConfig> joint_keys() {
                 "effort of dry friction against the motion [N m or N]")
               .otherwise_in_words("0")
               .only_with({{"type", "hinge"}, {"type", "slider"}}),
+          field("bearing", &J::bearing, map_of(bearing_keys()),
+                "dry friction that follows the force and the torque which the joint carries")
+              .otherwise_in_words("none")
+              .only_with({{"type", "hinge"}, {"type", "slider"}}),
           field("stick_rate", &J::stick_rate, quantity("1", Range::above(0)),
                 "rate at which dry friction reaches 76 % of its effort [rad/s or m/s]")
               .otherwise("0.001")
-              .only_with({{"friction"}})
-              .left_out_if([](const J& joint) { return !joint.friction; }),
+              .only_with({{"friction"}, {"bearing"}})
+              .left_out_if([](const J& joint) { return !joint.friction && !joint.bearing; }),
       },
       {{{"motion", "motor"}, KeyGroup::Need::at_most_one}, {{"motion", "limits"}, KeyGroup::Need::at_most_one}},
       &J::where};

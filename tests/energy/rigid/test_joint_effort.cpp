@@ -39,6 +39,7 @@ std::vector<EffortCase> every_case() {
           {"Stops", JointStops{0.2, 0.1, 40.0, 0.02}, travel},
           {"TurningFriction", JointFriction{0.7, 0.4}, angle},
           {"Friction", JointFriction{0.7, 0.4}, travel},
+          {"TurningBearing", BearingFriction{std::make_shared<double>(0.7), 0.4}, angle},
           {"SpringToGround", JointSpring{30.0, 0.1}, travel, {-1, 1}},
           {"MotorOnGround", motor, angle, {-1, 0}}};
 }
