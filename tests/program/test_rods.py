@@ -236,6 +236,54 @@ probes: [{name: tip, point: [0.1, 0.01, 0.01]}]
             h = self.solve(stiff + (late if "step" in time else bent.split("loads")[0]), time)
             np.testing.assert_array_equal(h["elastic_energy"][:3], 0)
 
+    def test_fibres(self):
+        # A thin wire near the lower side of a bar: without its bending, which counts for nothing, it has no frames.
+        self.write("bar.geo", """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 0.05, 0.01, 0.01};
+Point(101) = {0, 0.005, 0.002}; Point(102) = {0.05, 0.005, 0.002};
+Line(101) = {101, 102};
+BooleanFragments{ Volume{1}; Delete; }{ Curve{101}; Delete; }
+Physical Volume("bar") = {1};
+Physical Curve("line") = {101};
+Physical Surface("left") = Surface In BoundingBox {-1e-6, -1, -1, 1e-6, 1, 1};
+Mesh.MeshSizeMax = 0.005;
+""")
+        text = """mesh: {file: bar.geo}
+bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.4}}]
+rods: [{name: wire, curve: line, radius: 0.05 mm, youngs_modulus: 1 GPa, poissons_ratio: 0.3, density: 7800, damping: 2 msMORE}]
+constraints: [{surface: left, displacement: [0, 0, 0]}]
+loads: [{gravity: [0, 0, -9.81]}]
+probes: [{name: tip, point: [0.05, 0.005, 0.005]}]
+solver: {newton: {relative: 1e-11}}
+"""
+        time = "method: bdf2, step: 5 ms, end: 0.05"
+        columns = "output: {every: 1, history: [{name: f, of: rod_force, in: wire, take: min}, {name: m, of: rod_bending_moment, in: wire, take: max}]}"
+
+        def solve(more, ranks=1):
+            self.write("in.yaml", text.replace("MORE", more) + f"time: {{{time}}}\n{columns}\n")
+            return self.run_input("in.yaml", ranks=ranks)
+
+        fibre, same, rod = solve(""), solve(", bending: false", 2), solve(", bending: true")
+        self.assert_same_history({name: fibre[name] for name in same if "iterations" not in name},
+                                 {name: same[name] for name in same if "iterations" not in name}, 1e-6)
+        fall, of_rod = (h["tip_z"] - 0.005 for h in (fibre, rod))
+        self.assertLess(fall.min(), -1e-4)
+        np.testing.assert_allclose(fall, of_rod, atol=5e-3 * np.abs(fall).max())
+        np.testing.assert_allclose(fibre["f"], rod["f"], atol=1e-3 * np.abs(fibre["f"]).max())
+        self.assertLess(fibre["f"].min(), -1e-4)
+        np.testing.assert_array_equal(fibre["m"], 0)
+        self.assertGreater(rod["m"].max(), 0)
+        self.assertGreater(fibre["dissipated_rod_viscosity"][-1], 0)
+        np.testing.assert_allclose(fibre["energy_balance_error"], 0, atol=1e-6 * np.abs(fibre["kinetic_energy"]).max())
+        self.write("in.yaml", text.replace("MORE", "") + f"time: {{{time}}}\n")
+        self.assertRegex(self.pliant("check", "in.yaml").stdout, r"wire: \d+ segments, 0.05 m long, .*; a fibre: only E A counts")
+        # Its weight acts by its name, too, and what bends as much as its surroundings is a rod.
+        weight = text.replace("MORE", "").replace("-9.81]", "-9.81], volume: wire")
+        h = self.solve(weight, "method: static")
+        np.testing.assert_allclose(h["left_fz"][-1], np.pi * 2.5e-9 * 0.05 * 7800 * 9.81, rtol=1e-6)
+        self.write("in.yaml", text.replace("MORE", "").replace("0.05 mm", "0.5 mm") + f"time: {{{time}}}\n")
+        self.assertNotIn("a fibre", self.pliant("check", "in.yaml").stdout)
+
     def test_an_inextensible_fibre(self):
         # A wire on the side of a bar that is pulled: the bar curls, and the stiffer the wire, the less depends on its stiffness.
         self.write("bar.geo", """SetFactory("OpenCASCADE");
@@ -303,6 +351,7 @@ loads: [{gravity: [0, 0, -9.81]}]
             "rod 'beam' has the same point twice": line.replace("[1, 0, 0]]", "[1, 0, 0], [1, 0, 0]]"),
             "turns back on itself": line.replace("[1, 0, 0]]", "[1, 0, 0], [0.5, 0, 0]]"),
             "follows a curve of the mesh, which this input lacks": line.replace("points: [[0, 0, 0], [1, 0, 0]]", "curve: wire"),
+            "give it one instead of `points`, or remove 'bending: false'": line.replace("radius: 1 mm", "radius: 1 mm, bending: false"),
             "names a rod and a probe": line + "probes: [{name: beam, point: [0, 0, 0]}]\n",
         }
         self.write("in.yaml", SHAKEN + "time: {method: bdf2, step: 2 ms, end: 0.2}\n")
