@@ -331,7 +331,10 @@ void ResultFields::add_shell_fields(const StepRecord& record, std::span<const st
   std::optional<std::vector<LayerState>> nodes;
   for (const ShellResult& of : shell_results) {
     if (std::ranges::find(names, of.name) == names.end()) continue;
-    if (!nodes) nodes = shell_fields_.at_nodes(record);
+    if (!nodes) {
+      nodes = shell_fields_.at_nodes(
+          [&](std::size_t s) -> const std::vector<LayerFacet>& { return facets_of_shell(s, record); });
+    }
     FieldValues field{info_of_field(of.name), of.unit, FieldLocation::node, {}};
     field.values.resize(field.width() * nodes->size());
     for (std::size_t n = 0; n < nodes->size(); ++n) of.put((*nodes)[n], &field.values[field.width() * n]);
