@@ -16,6 +16,7 @@
 #include "model/mesh_source.hpp"
 #include "model/method_warnings.hpp"
 #include "model/rigid_bodies.hpp"
+#include "model/rod_bond.hpp"
 #include "model/selections.hpp"
 #include "model/start_adjustment.hpp"
 #include "model/tied_surfaces.hpp"

@@ -1,8 +1,6 @@
 #include "model/rods.hpp"
 
-#include "energy/load/spring.hpp"
 #include "energy/rod/rod_viscosity.hpp"
-#include "fem/probe.hpp"
 #include "input/elasticity.hpp"
 #include "mesh/rod_chain.hpp"
 #include "petsc/collective.hpp"
@@ -186,51 +184,6 @@ double fibre_beside(const RodConfig& rod, const std::optional<double>& shear_mod
   return std::sqrt(std::max(6.0 * EI, 7.0 * GJ) / (negligible * *shear_modulus));
 }
 
-/// A point on a director's line that a body may hold: the director's own, or that on the other side of the segment.
-struct Director {
-  std::size_t segment = 0, number = 0;
-  double side = 1.0;       // 1 or -1
-  double stiffness = 0.0;  // of both sides [N/m]
-  std::array<double, 3> place{};
-};
-
-/// Those of this rank's segments along curves in bodies; the two sides of a director follow each other.
-std::vector<Director> bonded_directors(const BodiesOnMesh& bodies, std::span<const double> shear_moduli,
-                                       const ModelRods& rods) {
-  const NodeLayout& layout = bodies.layout;
-  std::vector<double> modulus_at(static_cast<std::size_t>(layout.num_local_nodes), 0.0);
-  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
-    const int body = bodies.body_of_cell[static_cast<std::size_t>(c)];
-    if (body < 0) continue;
-    for (const PetscInt n : layout.nodes_of_cell(c)) {
-      double& modulus = modulus_at[static_cast<std::size_t>(n)];
-      modulus = std::max(modulus, shear_moduli[static_cast<std::size_t>(body)]);
-    }
-  }
-  std::vector<Director> result;
-  for (const Rods::SegmentNodes& segment : rods.term->segments_here()) {
-    const auto is_in = [&](const ModelRod& rod) {
-      return segment.number >= rod.first_segment && segment.number < rod.first_segment + rod.num_segments();
-    };
-    const auto rod = std::ranges::find_if(rods.rods, is_in);
-    if (!segment.is_counted || rod == rods.rods.end()) continue;
-    if (bodies.config.rods[static_cast<std::size_t>(rod - rods.rods.begin())].curve.empty()) continue;
-    const double length =
-        norm(Vector3<double>(layout.position(segment.nodes[1])) - Vector3<double>(layout.position(segment.nodes[0])));
-    const double modulus = modulus_at[static_cast<std::size_t>(segment.nodes[0])];
-    if (!(modulus > 0.0)) continue;
-    const Vector3<double> middle =
-        0.5 * (Vector3<double>(layout.position(segment.nodes[0])) + Vector3<double>(layout.position(segment.nodes[1])));
-    for (std::size_t k = 0; k < 2; ++k) {
-      const Vector3<double> arm = Vector3<double>(layout.position(segment.nodes[2 + k])) - middle;
-      for (const double side : {1.0, -1.0}) {
-        result.push_back({segment.number, k, side, modulus * length, middle + side * arm});
-      }
-    }
-  }
-  return result;
-}
-
 }  // namespace
 
 RodSection section_of(const RodConfig& rod) {
@@ -360,38 +313,6 @@ ModelRods make_rods(const Config& config, const Mesh& mesh, const NodeLayout& la
   }
   put_axes(layout, result);
   return result;
-}
-
-void add_bond(const BodiesOnMesh& bodies, std::span<const double> shear_moduli, ModelRods& rods) {
-  if (!rods.term || curves_of_rods(bodies.config).empty()) return;
-  const NodeLayout& layout = bodies.layout;
-  const auto directors = gathered(layout.comm, bonded_directors(bodies, shear_moduli, rods));
-  std::vector<std::array<double, 3>> places;
-  for (const Director& director : directors) places.push_back(director.place);
-  if (places.empty()) return;
-  const auto held = locate(layout, places, bodies.is_left_out);
-  const auto here = rods.term->segments_here();
-  std::vector<AttachedPoint> points;
-  std::vector<LineSpring> springs;
-  for (std::size_t k = 0; k < directors.size(); ++k) {
-    if (held[k].distance > 0.0) continue;
-    const auto& [number, director, side, stiffness, place] = directors[k];
-    AttachedPoint of_rod;
-    const auto segment = std::ranges::find(here, number, &Rods::SegmentNodes::number);
-    if (segment != here.end() && segment->nodes[2 + director] < layout.num_owned_nodes) {
-      const auto& [first, last, d_1, d_2] = segment->nodes;
-      const PetscInt node = director == 0 ? d_1 : d_2;
-      // The place on the other side is as far behind the middle as the director's point is before it.
-      of_rod.location.nodes = side > 0.0 ? std::vector<PetscInt>{node} : std::vector<PetscInt>{node, first, last};
-      of_rod.location.weights = side > 0.0 ? std::vector<double>{1.0} : std::vector<double>{-1.0, 1.0, 1.0};
-    }
-    points.push_back(std::move(of_rod));
-    points.push_back({held[k], {}});
-    // One side alone does the work of both: at a face of the body the rest of the section is outside.
-    const bool is_alone = held[k % 2 == 0 ? k + 1 : k - 1].distance > 0.0;
-    springs.push_back({is_alone ? stiffness : 0.5 * stiffness, 0.0, 0.0, false});
-  }
-  if (!springs.empty()) rods.bond = std::make_unique<Springs>(layout, points, std::move(springs));
 }
 
 std::vector<const EnergyTerm*> ModelRods::terms(bool has_velocity) const {

@@ -31,7 +31,7 @@ struct ModelRods {
   std::vector<ModelRod> rods;
   std::unique_ptr<Rods> term;        ///< of all but fibres; nullptr: there are none
   std::unique_ptr<Fibres> fibres;    ///< nullptr: there are none
-  std::unique_ptr<EnergyTerm> bond;  ///< add_bond; nullptr: none
+  std::unique_ptr<EnergyTerm> bond;  ///< add_bond (model/rod_bond.hpp); nullptr: none
   std::vector<std::unique_ptr<EnergyTerm>> viscosity;
   std::vector<double> lengths;  ///< of all segments at rest; 0 of sections at ends [m]
 
@@ -70,12 +70,6 @@ std::vector<std::string> curves_of_rods(const Config& config);
 /// `config`: completed (with_rigid_bodies). Collective.
 ModelRods make_rods(const Config& config, const Mesh& mesh, const NodeLayout& layout,
                     const std::vector<int>& body_of_cell, Selections& selections);
-
-/// Rods along curves share nodes with bodies, which does not keep them from turning about their axis. The directors'
-/// points of those that lie inside a body are held in it by springs of the stiffness G l, G the body's shear modulus
-/// and l the length of the segment: about that of the material around a rod. `shear_moduli`: of each body [Pa].
-/// Collective.
-void add_bond(const BodiesOnMesh& bodies, std::span<const double> shear_moduli, ModelRods& rods);
 
 /// The axial force of all segments at displacements u of the local nodes, the same on every rank [N]. Collective.
 std::vector<double> tensions_of(const ModelRods& rods, MPI_Comm comm, std::span<const double> u);
