@@ -3,7 +3,8 @@
 
   tools/bench_rods.py                           10,064 segments in 99,900 tetrahedra, one rank
   tools/bench_rods.py --ranks 2 --repeat 5      the median of five turns on two ranks
-  tools/bench_rods.py --youngs-modulus 1e10     stiffer fibres
+  tools/bench_rods.py --youngs-modulus 1e9      stiffer fibres
+  tools/bench_rods.py --bending true            rods that resist bending and twist, whatever their size
 
 The body is the beam of tools/bench.py under its weight, and the rods are fibres along it on lines of its mesh. Time without
 set-up and output.
@@ -53,7 +54,7 @@ def write_mesh(path):
     return NUM_RODS * nx, len(cells)
 
 
-def write_inputs(directory, modulus):
+def write_inputs(directory, modulus, bending):
     text = """mesh: {file: beam.msh}
 bodies: [{volume: beam, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4}}]
 constraints: [{surface: clamp, displacement: [0, 0, 0]}]
@@ -61,7 +62,7 @@ loads: [{gravity: [0, 0, -9.81], volume: beam}]
 """
     text += f"time: {{method: backward-euler, step: 10 ms, end: {10 * STEPS} ms}}\noutput: {{every: 10}}\n"
     rods = "rods:\n" + "".join(f"  - {{name: fibre{n}, curve: fibre{n}, radius: 0.5 mm, density: 1000, youngs_modulus: {modulus}, "
-                               "poissons_ratio: 0.3}\n" for n in range(NUM_RODS))
+                               f"poissons_ratio: 0.3{bending}}}\n" for n in range(NUM_RODS))
     for name, contents in (("without", text), ("with", text + rods)):
         with open(os.path.join(directory, f"{name}.yaml"), "w", encoding="ascii") as out:
             out.write(contents)
@@ -88,11 +89,12 @@ def main():
     parser.add_argument("--ranks", type=int, default=1)
     parser.add_argument("--repeat", type=int, default=3, help="turns (3)")
     parser.add_argument("--youngs-modulus", type=float, default=1e8, metavar="E", help="of the rods [Pa] (1e8)")
+    parser.add_argument("--bending", choices=("true", "false"), help="the rods' key of this name (none)")
     options, more = parser.parse_known_args()
     try:
         with tempfile.TemporaryDirectory() as directory:
             segments, cells = write_mesh(os.path.join(directory, "beam.msh"))
-            write_inputs(directory, options.youngs_modulus)
+            write_inputs(directory, options.youngs_modulus, f", bending: {options.bending}" if options.bending else "")
             print(f"{segments} segments in {cells} tetrahedra, {options.ranks} rank{'s' if options.ranks > 1 else ''}", flush=True)
             ratios = []
             for _ in range(options.repeat):

@@ -96,11 +96,18 @@ class FeatureCounter {
 
 ContactRule quadratic_contact_rule() {
   const double a = (1.0 + std::sqrt(8.0 / 17.0)) / 3.0, b = 0.5 * (1.0 - a), weight = 17.0 / 60.0;
+  const auto line = lobatto_rule();
+  ContactRule rule{
+      1.0 / 20.0, {{{a, b, b}, weight}, {{b, a, b}, weight}, {{b, b, a}, weight}}, line.front().weight, {}};
+  for (std::size_t k = 1; k + 1 < line.size(); ++k) {
+    rule.points_of_segment.push_back({{1.0 - line[k].at, line[k].at, 0.0}, line[k].weight});
+  }
+  return rule;
+}
+
+std::array<LinePoint, 5> lobatto_rule() {
   const double c = 0.5 * (1.0 - std::sqrt(3.0 / 7.0));
-  return {1.0 / 20.0,
-          {{{a, b, b}, weight}, {{b, a, b}, weight}, {{b, b, a}, weight}},
-          1.0 / 20.0,
-          {{{1.0 - c, c, 0.0}, 49.0 / 180.0}, {{0.5, 0.5, 0.0}, 16.0 / 45.0}, {{c, 1.0 - c, 0.0}, 49.0 / 180.0}}};
+  return {{{0.0, 1.0 / 20.0}, {c, 49.0 / 180.0}, {0.5, 16.0 / 45.0}, {1.0 - c, 49.0 / 180.0}, {1.0, 1.0 / 20.0}}};
 }
 
 Vector3<double> SurfacePoint::position(std::span<const Vector3<double>> x) const {

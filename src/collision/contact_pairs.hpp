@@ -55,6 +55,13 @@ struct ContactRule {
 /// 1/12 and the centre with 3/4 leave of non-uniformity). On segments Lobatto's rule of five points, of degree 7.
 ContactRule quadratic_contact_rule();
 
+/// A point of a rule on [0, 1] and its weight.
+struct LinePoint {
+  double at = 0.0, weight = 0.0;
+};
+/// Lobatto's rule of five points, from one end to the other.
+std::array<LinePoint, 5> lobatto_rule();
+
 /// Which groups of triangles (SurfaceTriangle::group) may touch: a symmetric matrix by rows.
 struct ContactSets {
   int num_sets = 1;

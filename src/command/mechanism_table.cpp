@@ -107,6 +107,7 @@ std::vector<std::string> rod_table(const Config& config, const Model& model) {
     text += fmt::format("; stiffness: E A {:.6g} N, E I {:.6g}", E * section.area, E * section.second_moments[0]);
     if (rod.section) text += fmt::format(" and {:.6g}", E * section.second_moments[1]);
     text += fmt::format(" N m^2, G J {:.6g} N m^2", G * section.torsion);
+    if (rods[r].is_fibre) text += "; a fibre: only E A counts";
     for (std::size_t end = 0; end < 2; ++end) {
       const std::string& holder = rod.holder(end);
       if (!holder.empty()) text += fmt::format(", {} fixed in {}", end == 0 ? "start" : "end", holder);

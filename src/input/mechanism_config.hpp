@@ -127,6 +127,7 @@ struct RodConfig {
   double youngs_modulus = 0.0;                ///< [Pa]
   double poissons_ratio = 0.0;
   double damping = 0.0;             ///< viscous resistance per stiffness [s]
+  std::optional<bool> bends;        ///< whether it resists bending and twist; none: unless that is negligible
   Located<std::string> start, end;  ///< what holds its first and last section: `ground`, a rigid body; empty: nothing
   Location where;
 

@@ -1,5 +1,6 @@
 #include "mesh/added_shells.hpp"
 
+#include "base/orientation.hpp"
 #include "base/text.hpp"
 #include "base/vector3.hpp"
 #include "mesh/added_nodes.hpp"
@@ -8,7 +9,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -25,15 +28,31 @@ Triangle sorted(Triangle nodes) {
   return nodes;
 }
 
-std::set<Triangle> facets_of_cells(const SerialMesh& mesh) {
-  std::set<Triangle> result;
+Vector3<double> place(const SerialMesh& mesh, PetscInt node) {
+  const double* x = mesh.node(node);
+  return {x[0], x[1], x[2]};
+}
+
+/// A facet of cells, with its corners in an order such that its normal points out of one of them.
+struct CellFacet {
+  Triangle outward{};
+  int num_cells = 0;
+};
+
+/// By their sorted corners.
+std::map<Triangle, CellFacet> facets_of_cells(const SerialMesh& mesh) {
+  std::map<Triangle, CellFacet> result;
   for (std::size_t c = 0; c < mesh.num_cells(); ++c) {
     for (std::size_t without = 0; without < 4; ++without) {
       Triangle facet{};
       for (std::size_t i = 0, k = 0; i < 4; ++i) {
         if (i != without) facet[k++] = mesh.cells[4 * c + i];
       }
-      result.insert(sorted(facet));
+      CellFacet& of = result[sorted(facet)];
+      const Vector3<double> a = place(mesh, facet[0]), b = place(mesh, facet[1]), d = place(mesh, facet[2]);
+      if (dot(place(mesh, mesh.cells[4 * c + without]) - a, cross(b - a, d - a)) > 0.0) std::swap(facet[1], facet[2]);
+      of.outward = facet;
+      ++of.num_cells;
     }
   }
   return result;
@@ -52,91 +71,165 @@ const SerialGroup& surface_of(const AddedShell& shell, const SerialMesh& mesh) {
                                names.empty() ? "the mesh has no physical surfaces" : "the mesh has: " + joined(names)));
 }
 
-Vector3<double> place(const SerialMesh& mesh, PetscInt node) {
-  const double* x = mesh.node(node);
-  return {x[0], x[1], x[2]};
+/// The volume behind triangles: positive if their normals point out of what they enclose [m^3].
+double volume_behind(std::span<const Triangle> triangles, std::span<const std::size_t> part, const SerialMesh& mesh) {
+  double volume = 0.0;
+  const Vector3<double> origin = place(mesh, triangles[part.front()][0]);
+  for (const std::size_t t : part) {
+    const auto& [a, b, c] = triangles[t];
+    volume += dot(place(mesh, a) - origin, cross(place(mesh, b) - origin, place(mesh, c) - origin)) / 6.0;
+  }
+  return volume;
 }
 
-/// Neighbours get one orientation; where they enclose a volume, their normals point into it.
-void orient(std::vector<Triangle>& triangles, const SerialMesh& mesh) {
-  std::map<std::pair<PetscInt, PetscInt>, std::vector<std::size_t>> at_edge;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      at_edge[std::minmax(triangles[t][k], triangles[t][(k + 1) % 3])].push_back(t);
+/// The triangles of free shells, and which of them are neighbours in one.
+struct ShellTriangles {
+  const AddedShell* shell = nullptr;
+  std::vector<Triangle> triangles;
+  std::vector<OrientedPart> parts;
+};
+
+/// What a surface of the mesh says of the orientation of the triangles of shells among its own: with the facets of
+/// bodies next to them, whose normals point out of the bodies, or with others that enclose a chamber with them, into
+/// which the normals point.
+class ChamberVotes {
+ public:
+  ChamberVotes(std::span<const ShellTriangles> shells, const std::map<Triangle, CellFacet>& facets,
+               const SerialMesh& mesh)
+      : facets_(facets), mesh_(mesh) {
+    for (const ShellTriangles& shell : shells) {
+      for (const Triangle& triangle : shell.triangles) of_shells_.emplace(sorted(triangle), triangle);
     }
   }
-  std::vector<char> is_done(triangles.size(), 0);
-  for (std::size_t first = 0; first < triangles.size(); ++first) {
-    if (is_done[first] != 0) continue;
-    is_done[first] = 1;
-    std::vector<std::size_t> part{first};
-    bool is_closed = true;
-    for (std::size_t n = 0; n < part.size(); ++n) {
-      const Triangle of = triangles[part[n]];
-      for (std::size_t k = 0; k < 3; ++k) {
-        const PetscInt from = of[k], to = of[(k + 1) % 3];
-        const auto& both = at_edge.at(std::minmax(from, to));
-        is_closed = is_closed && both.size() == 2;
-        if (both.size() != 2) continue;
-        const std::size_t other = both[0] == part[n] ? both[1] : both[0];
-        if (is_done[other] != 0) continue;
-        Triangle& nodes = triangles[other];
-        const auto at = static_cast<std::size_t>(std::ranges::find(nodes, from) - nodes.begin());
-        if (nodes[(at + 1) % 3] == to) std::swap(nodes[1], nodes[2]);
-        is_done[other] = 1;
-        part.push_back(other);
+  void ask(const SerialGroup& group) {
+    std::vector<Triangle> triangles;
+    bool has_shell = false;
+    for (std::size_t n = 0; n + 2 < group.members.size(); n += 3) {
+      const Triangle corners = sorted({group.members[n], group.members[n + 1], group.members[n + 2]});
+      const auto of_shell = of_shells_.find(corners);
+      has_shell = has_shell || of_shell != of_shells_.end();
+      const CellFacet* facet = boundary_facet(corners);
+      if (of_shell != of_shells_.end() || facet != nullptr) {
+        triangles.push_back(facet != nullptr ? facet->outward : of_shell->second);
       }
     }
-    double volume = 0.0;
-    const Vector3<double> origin = place(mesh, triangles[first][0]);
-    for (const std::size_t t : part) {
-      const auto& [a, b, c] = triangles[t];
-      volume += dot(place(mesh, a) - origin, cross(place(mesh, b) - origin, place(mesh, c) - origin)) / 6.0;
-    }
-    if (!is_closed || volume <= 0.0) continue;
-    for (const std::size_t t : part) std::swap(triangles[t][1], triangles[t][2]);
+    if (!has_shell) return;
+    for (const OrientedPart& part : orient(triangles)) settle(triangles, part);
   }
+  /// 1: the triangles of a part of a shell are to stay as they are; -1: to be turned over; 0: nothing says so, or not
+  /// all of what there is says the same.
+  int sign_for(const ShellTriangles& shell, const OrientedPart& part) const {
+    bool stays = false, turns = false;
+    for (const std::size_t t : part.triangles) {
+      const auto [first, last] = wanted_.equal_range(sorted(shell.triangles[t]));
+      for (auto wanted = first; wanted != last; ++wanted) {
+        (is_rotation(wanted->second, shell.triangles[t]) ? stays : turns) = true;
+      }
+    }
+    return stays == turns ? 0 : stays ? 1 : -1;
+  }
+
+ private:
+  const CellFacet* boundary_facet(const Triangle& corners) const {
+    const auto found = facets_.find(corners);
+    return found != facets_.end() && found->second.num_cells == 1 ? &found->second : nullptr;
+  }
+  static bool is_rotation(const Triangle& a, const Triangle& b) {
+    return b[(std::ranges::find(b, a[0]) - b.begin() + 1) % 3] == a[1];
+  }
+  /// Notes how triangles of shells in an oriented part of a surface are to be.
+  void settle(std::span<const Triangle> triangles, const OrientedPart& part) {
+    int num_outward = 0, num_inward = 0;
+    for (const std::size_t t : part.triangles) {
+      const CellFacet* facet = boundary_facet(sorted(triangles[t]));
+      if (facet != nullptr) ++(is_rotation(facet->outward, triangles[t]) ? num_outward : num_inward);
+    }
+    bool turns = num_inward > 0;
+    if (num_outward > 0 && num_inward > 0) return;
+    if (num_outward + num_inward == 0) {
+      if (!part.is_closed) return;
+      turns = volume_behind(triangles, part.triangles, mesh_) > 0.0;
+    }
+    for (const std::size_t t : part.triangles) {
+      Triangle wanted = triangles[t];
+      if (turns) std::swap(wanted[1], wanted[2]);
+      if (of_shells_.contains(sorted(wanted))) wanted_.emplace(sorted(wanted), wanted);
+    }
+  }
+
+  const std::map<Triangle, CellFacet>& facets_;
+  const SerialMesh& mesh_;
+  std::map<Triangle, Triangle> of_shells_;    // by sorted corners
+  std::multimap<Triangle, Triangle> wanted_;  // likewise, in the wanted order
+};
+
+/// Neighbours get one orientation. The normals of those that enclose a volume point into it, and those of others into
+/// the chamber of a surface that they are a part of.
+void orient_shells(std::span<ShellTriangles> shells, const std::map<Triangle, CellFacet>& facets,
+                   const SerialMesh& mesh) {
+  for (ShellTriangles& shell : shells) shell.parts = orient(shell.triangles);
+  ChamberVotes votes(shells, facets, mesh);
+  for (const SerialGroup& group : mesh.groups) {
+    if (group.group.dimension == 2) votes.ask(group);
+  }
+  for (ShellTriangles& shell : shells) {
+    for (const OrientedPart& part : shell.parts) {
+      const bool turns =
+          part.is_closed ? volume_behind(shell.triangles, part.triangles, mesh) > 0.0 : votes.sign_for(shell, part) < 0;
+      if (!turns) continue;
+      for (const std::size_t t : part.triangles) std::swap(shell.triangles[t][1], shell.triangles[t][2]);
+    }
+  }
+}
+
+/// The triangles of a shell; `taken`: those of shells before.
+std::vector<Triangle> triangles_of(const AddedShell& shell, const std::map<Triangle, CellFacet>& facets,
+                                   const SerialMesh& mesh, std::map<Triangle, const AddedShell*>& taken) {
+  std::vector<Triangle> triangles;
+  std::size_t num_on_cells = 0;
+  const std::vector<PetscInt>& corners = surface_of(shell, mesh).members;
+  for (std::size_t n = 0; n + 2 < corners.size(); n += 3) {
+    const Triangle triangle{corners[n], corners[n + 1], corners[n + 2]};
+    if (facets.contains(sorted(triangle))) ++num_on_cells;
+    const auto [found, is_new] = taken.try_emplace(sorted(triangle), &shell);
+    if (is_new) {
+      triangles.push_back(triangle);
+    } else if (found->second != &shell) {
+      throw InputError(shell.where, fmt::format("free shells '{}' and '{}' have triangles in common: make one of "
+                                                "them of the surface of both, or give each its own",
+                                                found->second->name, shell.name));
+    }
+  }
+  if (num_on_cells > 0) {
+    throw InputError(shell.where, fmt::format("{} of the {} triangles of surface '{}' bound tetrahedra, and those of "
+                                              "a free shell do not: remove 'free: true', or make a physical surface "
+                                              "of those that are free",
+                                              num_on_cells, triangles.size(), shell.surface));
+  }
+  return triangles;
 }
 
 }  // namespace
 
 void add_shells(std::span<const AddedShell> shells, SerialMesh& mesh) {
   if (shells.empty()) return;
-  const std::set<Triangle> facets = facets_of_cells(mesh);
+  const std::map<Triangle, CellFacet> facets = facets_of_cells(mesh);
   std::map<Triangle, const AddedShell*> taken;
-  AddedNodes nodes(mesh);
-  const bool has_middles = mesh.geometry_order() == 2;
+  std::vector<ShellTriangles> all;
   for (const AddedShell& shell : shells) {
-    std::vector<Triangle> triangles;
-    std::size_t num_on_cells = 0;
-    const std::vector<PetscInt> corners = surface_of(shell, mesh).members;
-    for (std::size_t n = 0; n + 2 < corners.size(); n += 3) {
-      const Triangle triangle{corners[n], corners[n + 1], corners[n + 2]};
-      if (facets.contains(sorted(triangle))) ++num_on_cells;
-      const auto [found, is_new] = taken.try_emplace(sorted(triangle), &shell);
-      if (is_new) {
-        triangles.push_back(triangle);
-      } else if (found->second != &shell) {
-        throw InputError(shell.where, fmt::format("free shells '{}' and '{}' have triangles in common: make one of "
-                                                  "them of the surface of both, or give each its own",
-                                                  found->second->name, shell.name));
-      }
-    }
-    if (num_on_cells > 0) {
-      throw InputError(shell.where, fmt::format("{} of the {} triangles of surface '{}' bound tetrahedra, and those of "
-                                                "a free shell do not: remove 'free: true', or make a physical surface "
-                                                "of those that are free",
-                                                num_on_cells, triangles.size(), shell.surface));
-    }
-    if (has_middles) {
-      throw InputError(shell.where, fmt::format("free shell '{}' is next to second-order elements, whose edges may be "
-                                                "curved: use first-order elements (Mesh.ElementOrder = 1) for the "
-                                                "mesh; 'element: P2' is possible with them",
-                                                shell.name));
-    }
-    orient(triangles, mesh);
+    all.push_back({&shell, triangles_of(shell, facets, mesh, taken), {}});
+    if (mesh.geometry_order() == 1) continue;
+    throw InputError(shell.where, fmt::format("free shell '{}' is next to second-order elements, whose edges may be "
+                                              "curved: use first-order elements (Mesh.ElementOrder = 1) for the "
+                                              "mesh; 'element: P2' is possible with them",
+                                              shell.name));
+  }
+  orient_shells(all, facets, mesh);
+  AddedNodes nodes(mesh);
+  for (const ShellTriangles& of : all) {
+    const AddedShell& shell = *of.shell;
     std::vector<PetscInt> members;
-    for (const Triangle& triangle : triangles) {
+    for (const Triangle& triangle : of.triangles) {
       const Vector3<double> a = place(mesh, triangle[0]), b = place(mesh, triangle[1]), c = place(mesh, triangle[2]);
       const Vector3<double> normal = cross(b - a, c - a);
       const double area = 0.5 * norm(normal);

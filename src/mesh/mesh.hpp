@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -59,6 +60,9 @@ struct AddedRod {
   std::optional<std::array<double, 3>> up;    ///< direction of the first director, of any length
   std::array<double, 2> arms{};               ///< distances of the directors' points from the axis [m]
   std::array<bool, 2> has_end{};              ///< whether the sections at the first and last point are held
+  /// It is a fibre, whose volume has no cells, where the cells around each of its segments are at least that thick:
+  /// their volume divided by the length of the segment [m^2]. Infinite: never; 0: in any case.
+  double fibre_beside = std::numeric_limits<double>::infinity();
 };
 
 /// A shell on a physical surface whose triangles bound no tetrahedron, as a volume of its own (mesh/added_shells.hpp).

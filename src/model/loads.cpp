@@ -35,8 +35,8 @@ class LoadTerms {
   /// The weight of rods; nothing if the load has none of it.
   Term weight_of_rods(const LoadConfig& load) const {
     const auto* gravity = std::get_if<LoadConfig::Gravity>(&load.kind);
-    if (gravity == nullptr || bodies_.rods.term == nullptr) return nullptr;
-    std::vector<char> pulled(bodies_.rods.term->num_segments(), 0);
+    if (gravity == nullptr || bodies_.rods.rods.empty()) return nullptr;
+    std::vector<char> pulled(bodies_.rods.lengths.size(), 0);
     bool any = false;
     for (const ModelRod& rod : bodies_.rods.rods) {
       const bool is_meant = load.part.kind == Selection::Kind::everything ||
@@ -46,7 +46,7 @@ class LoadTerms {
       std::fill_n(pulled.begin() + static_cast<std::ptrdiff_t>(rod.first_segment), rod.num_segments(), char{1});
     }
     if (!any) return nullptr;
-    return dead_load(samples_of(bodies_.rods.term->masses(pulled)), gravity->acceleration);
+    return dead_load(samples_of(bodies_.rods.masses(pulled)), gravity->acceleration);
   }
   /// The weight of shells, on which gravity acts where it acts on all bodies, and of a free one by its name.
   Term weight_of_shell(const LoadConfig& load, const ModelShell& shell) const {

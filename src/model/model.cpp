@@ -17,6 +17,7 @@
 #include "model/mesh_source.hpp"
 #include "model/method_warnings.hpp"
 #include "model/rigid_bodies.hpp"
+#include "model/rod_bond.hpp"
 #include "model/selections.hpp"
 #include "model/start_adjustment.hpp"
 #include "model/tied_surfaces.hpp"
@@ -179,7 +180,7 @@ void Model::build_inertia(const Config& config) {
   const Mass kind = config.mass == MassKind::consistent ? Mass::consistent : Mass::lumped;
   MassMatrix mass = make_mass_matrix<Order>(layout_, *pattern_, groups, densities_, kind);
   add_affine_bodies(layout_, *pattern_, body_of_cell_, masses_of_rigid_bodies(config), mass);
-  if (rods_.term) rods_.term->add_masses(*pattern_, mass);
+  rods_.add_masses(*pattern_, config.mass, mass);
   add_masses_of_shells(layout_, *pattern_, config.mass, shells_, mass);
   inertia_ = std::make_unique<Inertia>(layout_, std::move(mass),
                                        make_cell_mass_products<Order>(layout_, groups, densities_, kind));

@@ -1,14 +1,17 @@
 #include "model/rods.hpp"
 
-#include "energy/load/spring.hpp"
 #include "energy/rod/rod_viscosity.hpp"
-#include "fem/probe.hpp"
+#include "input/elasticity.hpp"
 #include "mesh/rod_chain.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 namespace pliant {
 namespace {
@@ -16,6 +19,8 @@ namespace {
 /// Stiffness of a frame against its distortions, in E (I_1 + I_2) / l^2: the frames then vibrate about as fast as
 /// segments do along the rod.
 constexpr double distortion_by_bending = 1.0;
+/// A rod is a fibre if it resists bending and twist by less than this part of what the cells around it do.
+constexpr double negligible = 0.01;
 /// The part of a segment's rotary inertia that belongs to the section at an end that is held.
 constexpr double part_of_section = 0.25;
 
@@ -104,65 +109,79 @@ std::size_t append(const RodConfig& rod, const RodChain& chain, MassKind kind, P
   return first;
 }
 
-/// The nodes of a rod's axis, each on the rank that owns it.
-std::vector<AttachedPoint> axis_of(const Rods& term, const NodeLayout& layout, std::size_t first, std::size_t count) {
-  std::vector<AttachedPoint> points(count + 1);
-  const auto put = [&](std::size_t point, PetscInt node) {
-    if (node >= layout.num_owned_nodes) return;
-    points[point].location.nodes = {node};
-    points[point].location.weights = {1.0};
-  };
-  for (const Rods::SegmentNodes& segment : term.segments_here()) {
-    if (segment.number < first || segment.number >= first + count) continue;
-    put(segment.number - first, segment.nodes[0]);
-    put(segment.number - first + 1, segment.nodes[1]);
+/// Appends a fibre; returns the number of its first segment among those of fibres.
+std::size_t append(const RodConfig& rod, const RodChain& chain, std::vector<FibreSegment>& fibres) {
+  const double area = section_of(rod).area;
+  const std::size_t first = fibres.size();
+  for (const CornerPlaces& corners : chain.segments) {
+    const auto X = places(corners);
+    const double length = norm(X[1] - X[0]);
+    fibres.push_back({{X[0], X[1]}, length, rod.youngs_modulus * area, rod.density * area * length, rod.damping});
   }
-  return points;
+  return first;
 }
 
-/// A point on a director's line that a body may hold: the director's own, or that on the other side of the segment.
-struct Director {
-  std::size_t segment = 0, number = 0;
-  double side = 1.0;       // 1 or -1
-  double stiffness = 0.0;  // of both sides [N/m]
-  std::array<double, 3> place{};
-};
-
-/// Those of this rank's segments along curves in bodies; the two sides of a director follow each other.
-std::vector<Director> bonded_directors(const BodiesOnMesh& bodies, std::span<const double> shear_moduli,
-                                       const ModelRods& rods) {
-  const NodeLayout& layout = bodies.layout;
-  std::vector<double> modulus_at(static_cast<std::size_t>(layout.num_local_nodes), 0.0);
-  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
-    const int body = bodies.body_of_cell[static_cast<std::size_t>(c)];
-    if (body < 0) continue;
-    for (const PetscInt n : layout.nodes_of_cell(c)) {
-      double& modulus = modulus_at[static_cast<std::size_t>(n)];
-      modulus = std::max(modulus, shear_moduli[static_cast<std::size_t>(body)]);
-    }
-  }
-  std::vector<Director> result;
-  for (const Rods::SegmentNodes& segment : rods.term->segments_here()) {
-    const auto is_in = [&](const ModelRod& rod) {
-      return segment.number >= rod.first_segment && segment.number < rod.first_segment + rod.num_segments();
-    };
-    const auto rod = std::ranges::find_if(rods.rods, is_in);
-    if (!segment.is_counted || rod == rods.rods.end()) continue;
-    if (bodies.config.rods[static_cast<std::size_t>(rod - rods.rods.begin())].curve.empty()) continue;
-    const double length =
-        norm(Vector3<double>(layout.position(segment.nodes[1])) - Vector3<double>(layout.position(segment.nodes[0])));
-    const double modulus = modulus_at[static_cast<std::size_t>(segment.nodes[0])];
-    if (!(modulus > 0.0)) continue;
-    const Vector3<double> middle =
-        0.5 * (Vector3<double>(layout.position(segment.nodes[0])) + Vector3<double>(layout.position(segment.nodes[1])));
-    for (std::size_t k = 0; k < 2; ++k) {
-      const Vector3<double> arm = Vector3<double>(layout.position(segment.nodes[2 + k])) - middle;
-      for (const double side : {1.0, -1.0}) {
-        result.push_back({segment.number, k, side, modulus * length, middle + side * arm});
+/// Puts the nodes of the axes of rods, each on the rank that owns it.
+void put_axes(const NodeLayout& layout, ModelRods& rods) {
+  const auto put = [&](std::size_t segment, PetscInt first, PetscInt second) {
+    for (ModelRod& rod : rods.rods) {
+      if (segment < rod.first_segment || segment >= rod.first_segment + rod.num_segments()) continue;
+      for (const auto& [point, node] :
+           {std::pair{segment - rod.first_segment, first}, {segment - rod.first_segment + 1, second}}) {
+        if (node >= layout.num_owned_nodes) continue;
+        rod.points[point].location.nodes = {node};
+        rod.points[point].location.weights = {1.0};
       }
     }
+  };
+  if (rods.term) {
+    for (const auto& segment : rods.term->segments_here()) put(segment.number, segment.nodes[0], segment.nodes[1]);
   }
+  if (!rods.fibres) return;
+  for (const LocalFibre& fibre : rods.fibres->segments_here()) {
+    put(rods.num_bent() + fibre.number, fibre.nodes[0], fibre.nodes[1]);
+  }
+}
+
+/// For each body, whether it has no cell: of rods, those that are fibres. Collective.
+std::vector<char> have_no_cells(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell) {
+  std::vector<double> numbers(config.bodies.size(), 0.0);
+  for (const int body : body_of_cell) {
+    if (body >= 0) numbers[static_cast<std::size_t>(body)] += 1.0;
+  }
+  sum_in_place(layout.comm, numbers);
+  std::vector<char> result;
+  for (const double number : numbers) result.push_back(number == 0.0 ? 1 : 0);
   return result;
+}
+
+/// The least shear modulus at rest of bodies whose laws are the same everywhere [Pa]; nothing: it is not known.
+std::optional<double> least_shear_modulus(const Config& config) {
+  std::optional<double> least;
+  for (const BodyConfig& body : config.bodies) {
+    if (!body.elasticity) continue;
+    try {
+      const ElasticityRule rule(*body.elasticity);
+      if (!rule.is_uniform()) return std::nullopt;
+      const double modulus = wave_moduli(rule.law_at(0, {})).smallest;
+      least = std::min(least.value_or(modulus), modulus);
+    } catch (const InputError&) {
+      return std::nullopt;  // it is reported where the law is made
+    }
+  }
+  return least;
+}
+
+/// AddedRod::fibre_beside: a bar of the material with the section A resists bending by 2 G A^2/12 at least, and twist
+/// by about G A^2/7.
+double fibre_beside(const RodConfig& rod, const std::optional<double>& shear_modulus) {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  if (rod.bends) return *rod.bends ? never : 0.0;
+  if (rod.curve.empty() || !rod.holder(0).empty() || !rod.holder(1).empty() || !shear_modulus) return never;
+  const RodSection section = section_of(rod);
+  const double E = rod.youngs_modulus, G = E / (2.0 * (1.0 + rod.poissons_ratio));
+  const double EI = E * std::max(section.second_moments[0], section.second_moments[1]), GJ = G * section.torsion;
+  return std::sqrt(std::max(6.0 * EI, 7.0 * GJ) / (negligible * *shear_modulus));
 }
 
 }  // namespace
@@ -218,6 +237,7 @@ std::vector<Selection> sections_held_by(const Config& config, const std::string&
 
 std::vector<AddedRod> added_rods(const Config& config) {
   std::vector<AddedRod> result;
+  const std::optional<double> shear_modulus = least_shear_modulus(config);
   for (const RodConfig& rod : config.rods) {
     AddedRod& added = result.emplace_back();
     added.name = rod.name;
@@ -227,6 +247,7 @@ std::vector<AddedRod> added_rods(const Config& config) {
     if (rod.section) added.up = rod.section->up;
     added.arms = section_of(rod).arms;
     added.has_end = {!rod.holder(0).empty(), !rod.holder(1).empty()};
+    added.fibre_beside = fibre_beside(rod, shear_modulus);
   }
   return result;
 }
@@ -250,72 +271,82 @@ ModelRods make_rods(const Config& config, const Mesh& mesh, const NodeLayout& la
     if (!rod.curve.empty() && selections.has_group(part.kind, part.name)) selections.use(part);
   }
   Parts parts;
+  std::vector<FibreSegment> fibres;
   const std::vector<AddedRod> added = added_rods(config);
+  const std::vector<char> has_no_cells = have_no_cells(config, layout, body_of_cell);
   for (std::size_t r = 0; r < added.size(); ++r) {
     const RodChain chain = rod_chain(added[r], points_of(added[r], mesh.curves));
     ModelRod& rod = result.rods.emplace_back();
     rod.name = added[r].name;
-    rod.first_segment = append(config.rods[r], chain, config.mass, parts);
+    const auto is_its_body = [&](const BodyConfig& body) { return body.is_rod && body.part.name == rod.name; };
+    rod.body = static_cast<int>(std::ranges::find_if(config.bodies, is_its_body) - config.bodies.begin());
+    rod.is_fibre = has_no_cells[static_cast<std::size_t>(rod.body)] != 0;
+    rod.first_segment =
+        rod.is_fibre ? append(config.rods[r], chain, fibres) : append(config.rods[r], chain, config.mass, parts);
     rod.points.resize(chain.segments.size() + 1);
     for (const CornerPlaces& corners : chain.segments) {
       const auto X = places(corners);
       rod.length += norm(X[1] - X[0]);
     }
-    const auto is_its_body = [&](const BodyConfig& body) { return body.is_rod && body.part.name == rod.name; };
-    rod.body = static_cast<int>(std::ranges::find_if(config.bodies, is_its_body) - config.bodies.begin());
+  }
+  const auto is_damped = [&](bool is_fibre) {
+    bool any = false;
+    for (std::size_t r = 0; r < added.size(); ++r) {
+      any = any || (result.rods[r].is_fibre == is_fibre && config.rods[r].damping > 0.0);
+    }
+    return any;
+  };
+  for (const RodSegment& segment : parts.segments) result.lengths.push_back(segment.length);
+  for (const FibreSegment& fibre : fibres) result.lengths.push_back(fibre.length);
+  if (!fibres.empty()) {
+    for (ModelRod& rod : result.rods) rod.first_segment += rod.is_fibre ? parts.segments.size() : 0;
+    result.fibres = std::make_unique<Fibres>(layout, fibres);
+    if (is_damped(true)) result.viscosity.push_back(std::make_unique<FibreViscosity>(layout, *result.fibres));
   }
   std::vector<char> is_segment;
   for (const int body : body_of_cell) {
     is_segment.push_back(body >= 0 && config.bodies[static_cast<std::size_t>(body)].is_rod ? 1 : 0);
   }
-  result.term = std::make_unique<Rods>(layout, is_segment, std::move(parts.segments), std::move(parts.vertices));
-  if (std::ranges::any_of(config.rods, [](const RodConfig& rod) { return rod.damping > 0.0; })) {
-    result.viscosity = std::make_unique<RodViscosity>(*result.term);
+  if (!parts.segments.empty()) {
+    result.term = std::make_unique<Rods>(layout, is_segment, std::move(parts.segments), std::move(parts.vertices));
+    if (is_damped(false)) result.viscosity.push_back(std::make_unique<RodViscosity>(*result.term));
   }
-  for (ModelRod& rod : result.rods) {
-    rod.points = axis_of(*result.term, layout, rod.first_segment, rod.num_segments());
-  }
+  put_axes(layout, result);
   return result;
 }
 
-void add_bond(const BodiesOnMesh& bodies, std::span<const double> shear_moduli, ModelRods& rods) {
-  if (curves_of_rods(bodies.config).empty()) return;
-  const NodeLayout& layout = bodies.layout;
-  const auto directors = gathered(layout.comm, bonded_directors(bodies, shear_moduli, rods));
-  std::vector<std::array<double, 3>> places;
-  for (const Director& director : directors) places.push_back(director.place);
-  if (places.empty()) return;
-  const auto held = locate(layout, places, bodies.is_left_out);
-  const auto here = rods.term->segments_here();
-  std::vector<AttachedPoint> points;
-  std::vector<LineSpring> springs;
-  for (std::size_t k = 0; k < directors.size(); ++k) {
-    if (held[k].distance > 0.0) continue;
-    const auto& [number, director, side, stiffness, place] = directors[k];
-    AttachedPoint of_rod;
-    const auto segment = std::ranges::find(here, number, &Rods::SegmentNodes::number);
-    if (segment != here.end() && segment->nodes[2 + director] < layout.num_owned_nodes) {
-      const auto& [first, last, d_1, d_2] = segment->nodes;
-      const PetscInt node = director == 0 ? d_1 : d_2;
-      // The place on the other side is as far behind the middle as the director's point is before it.
-      of_rod.location.nodes = side > 0.0 ? std::vector<PetscInt>{node} : std::vector<PetscInt>{node, first, last};
-      of_rod.location.weights = side > 0.0 ? std::vector<double>{1.0} : std::vector<double>{-1.0, 1.0, 1.0};
-    }
-    points.push_back(std::move(of_rod));
-    points.push_back({held[k], {}});
-    // One side alone does the work of both: at a face of the body the rest of the section is outside.
-    const bool is_alone = held[k % 2 == 0 ? k + 1 : k - 1].distance > 0.0;
-    springs.push_back({is_alone ? stiffness : 0.5 * stiffness, 0.0, 0.0, false});
-  }
-  if (!springs.empty()) rods.bond = std::make_unique<Springs>(layout, points, std::move(springs));
+std::vector<const EnergyTerm*> ModelRods::terms(bool has_velocity) const {
+  std::vector<const EnergyTerm*> result;
+  for (std::size_t k = 0; k < viscosity.size() && has_velocity; ++k) result.push_back(viscosity[k].get());
+  if (term) result.push_back(term.get());
+  if (fibres) result.push_back(fibres.get());
+  if (bond) result.push_back(bond.get());
+  return result;
 }
 
-std::vector<double> tensions_of(const ModelRods& rods, const ModelRod& rod, MPI_Comm comm, std::span<const double> u) {
-  std::vector<double> tensions(rod.num_segments(), 0.0);
-  for (const Rods::SegmentNodes& segment : rods.term->segments_here()) {
-    const bool is_of_rod =
-        segment.number >= rod.first_segment && segment.number < rod.first_segment + rod.num_segments();
-    if (is_of_rod && segment.is_counted) tensions[segment.number - rod.first_segment] = rods.term->tension(segment, u);
+void ModelRods::add_masses(const BlockPattern& pattern, MassKind kind, MassMatrix& mass) const {
+  if (term) term->add_masses(pattern, mass);
+  if (fibres) fibres->add_masses(pattern, kind == MassKind::lumped ? Mass::lumped : Mass::consistent, mass);
+}
+
+std::vector<MassAtNode> ModelRods::masses(std::span<const char> of_segments) const {
+  std::vector<MassAtNode> result;
+  if (term) result = term->masses(of_segments.first(num_bent()));
+  if (fibres) std::ranges::move(fibres->masses(of_segments.subspan(num_bent())), std::back_inserter(result));
+  return result;
+}
+
+std::vector<double> tensions_of(const ModelRods& rods, MPI_Comm comm, std::span<const double> u) {
+  std::vector<double> tensions(rods.lengths.size(), 0.0);
+  if (rods.term) {
+    for (const Rods::SegmentNodes& segment : rods.term->segments_here()) {
+      if (segment.is_counted) tensions[segment.number] = rods.term->tension(segment, u);
+    }
+  }
+  if (rods.fibres) {
+    for (const LocalFibre& fibre : rods.fibres->segments_here()) {
+      if (fibre.is_counted) tensions[rods.num_bent() + fibre.number] = Fibres::tension(fibre, u);
+    }
   }
   sum_in_place(comm, tensions);
   return tensions;

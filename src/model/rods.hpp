@@ -1,6 +1,7 @@
 /// The rods of the input on a mesh.
 #pragma once
 
+#include "energy/rod/fibres.hpp"
 #include "energy/rod/rods.hpp"
 #include "input/config.hpp"
 #include "mesh/mesh.hpp"
@@ -18,7 +19,8 @@ namespace pliant {
 struct ModelRod {
   std::string name;
   std::vector<AttachedPoint> points;  ///< of its axis, in their order
-  std::size_t first_segment = 0;      ///< number among the segments of the term
+  std::size_t first_segment = 0;      ///< number among the segments of all rods, those of fibres after all others
+  bool is_fibre = false;              ///< resists nothing but stretch, and has no cells
   double length = 0.0;                ///< at the start [m]
   int body = 0;                       ///< number among the bodies of the completed input
 
@@ -27,18 +29,23 @@ struct ModelRod {
 
 struct ModelRods {
   std::vector<ModelRod> rods;
-  std::unique_ptr<Rods> term;        ///< of all of them; nullptr: there are none
-  std::unique_ptr<EnergyTerm> bond;  ///< add_bond; nullptr: none
+  std::unique_ptr<Rods> term;        ///< of all but fibres; nullptr: there are none
+  std::unique_ptr<Fibres> fibres;    ///< nullptr: there are none
+  std::unique_ptr<EnergyTerm> bond;  ///< add_bond (model/rod_bond.hpp); nullptr: none
+  std::vector<std::unique_ptr<EnergyTerm>> viscosity;
+  std::vector<double> lengths;  ///< of all segments at rest; 0 of sections at ends [m]
 
-  std::unique_ptr<EnergyTerm> viscosity;  ///< nullptr: none
-
-  std::vector<const EnergyTerm*> terms(bool has_velocity) const {
-    std::vector<const EnergyTerm*> result;
-    if (viscosity && has_velocity) result.push_back(viscosity.get());
-    if (term) result.push_back(term.get());
-    if (bond) result.push_back(bond.get());
-    return result;
+  /// Segments of `term`, whose numbers come before those of fibres.
+  std::size_t num_bent() const { return term ? term->num_segments() : 0; }
+  /// The segment of each local cell, -1: none; empty if there are none but fibres.
+  std::span<const std::ptrdiff_t> segment_of_cell() const {
+    return term ? std::span<const std::ptrdiff_t>(term->segment_of_cell()) : std::span<const std::ptrdiff_t>();
   }
+  std::vector<const EnergyTerm*> terms(bool has_velocity) const;
+  /// Adds their mass. Not collective.
+  void add_masses(const BlockPattern& pattern, MassKind kind, MassMatrix& mass) const;
+  /// What uniform accelerations act on, of this rank's nodes; `of_segments`: one flag per segment. Not collective.
+  std::vector<MassAtNode> masses(std::span<const char> of_segments) const;
 };
 
 /// Area [m^2], second moments of area [m^4] and distances of the directors' points from the axis [m]: 1 in the
@@ -64,14 +71,6 @@ std::vector<std::string> curves_of_rods(const Config& config);
 ModelRods make_rods(const Config& config, const Mesh& mesh, const NodeLayout& layout,
                     const std::vector<int>& body_of_cell, Selections& selections);
 
-/// Rods along curves share nodes with bodies, which does not keep them from turning about their axis. The directors'
-/// points of those that lie inside a body are held in it by springs of the stiffness G l, G the body's shear modulus
-/// and l the length of the segment: about that of the material around a rod. `shear_moduli`: of each body [Pa].
-/// Collective.
-void add_bond(const BodiesOnMesh& bodies, std::span<const double> shear_moduli, ModelRods& rods);
-
-/// The axial force of all segments of a rod at displacements u of the local nodes, the same on every rank [N].
-/// Collective.
-std::vector<double> tensions_of(const ModelRods& rods, const ModelRod& rod, MPI_Comm comm, std::span<const double> u);
-
+/// The axial force of all segments at displacements u of the local nodes, the same on every rank [N]. Collective.
+std::vector<double> tensions_of(const ModelRods& rods, MPI_Comm comm, std::span<const double> u);
 }  // namespace pliant

@@ -86,7 +86,7 @@ std::unique_ptr<ShellBending> bending_of(const ShellConfig& config, const NodeLa
 std::unique_ptr<ShellBendingViscosity> bending_viscosity_of(const ShellConfig& config, const ShellBending& bending) {
   const LayerViscosity viscosity = viscosity_of(config);
   if (!viscosity.is_any()) return nullptr;
-  const double h = shape_of(config).volume_per_area(), inertia = h * h * h / 12.0;
+  const double h = thickness_at_start(config), inertia = h * h * h / 12.0;
   return std::make_unique<ShellBendingViscosity>(
       bending, BendingResistance{viscosity.damping, inertia * viscosity.trace(), inertia * 2.0 * viscosity.shear});
 }

@@ -139,7 +139,7 @@ void FieldColumns::take_from_rods(const Column& column, const StepRecord& record
     const ModelRod& rod = model_.rods().rods[number];
     for (std::size_t s = rod.first_segment; s < rod.first_segment + rod.num_segments(); ++s) {
       const double value = rod_field(column.of.field.name, state.middles[s]);
-      add(column, model_.rods().term->length_of(s), &value, sum);
+      add(column, model_.rods().lengths[s], &value, sum);
       for (const RodResultants& end : state.ends[s]) {
         const double at_end = rod_field(column.of.field.name, end);
         compare(column, &at_end, sum);

@@ -173,10 +173,11 @@ void MechanismDrawing::move_lines(const Instant& at, Vec q, Vec v, MechanismStat
   for (const Vector3<double>& x : places_of(model_.springs().points, layout, u.span())) append(state.points, x);
   const auto lengths_and_forces = states_of(model_.springs(), layout, u.span(), velocity.span());
   for (std::size_t k = 1; k < lengths_and_forces.size(); k += 2) state.tensions.push_back(lengths_and_forces[k]);
+  const auto of_rods = tensions_of(model_.rods(), layout.comm, u.span());
   for (const ModelRod& rod : model_.rods().rods) {
     for (const Vector3<double>& x : places_of(rod.points, layout, u.span())) append(state.points, x);
-    const auto tensions = tensions_of(model_.rods(), rod, layout.comm, u.span());
-    state.tensions.insert(state.tensions.end(), tensions.begin(), tensions.end());
+    const auto first = of_rods.begin() + static_cast<std::ptrdiff_t>(rod.first_segment);
+    state.tensions.insert(state.tensions.end(), first, first + static_cast<std::ptrdiff_t>(rod.num_segments()));
   }
 }
 

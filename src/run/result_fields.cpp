@@ -331,7 +331,10 @@ void ResultFields::add_shell_fields(const StepRecord& record, std::span<const st
   std::optional<std::vector<LayerState>> nodes;
   for (const ShellResult& of : shell_results) {
     if (std::ranges::find(names, of.name) == names.end()) continue;
-    if (!nodes) nodes = shell_fields_.at_nodes(record);
+    if (!nodes) {
+      nodes = shell_fields_.at_nodes(
+          [&](std::size_t s) -> const std::vector<LayerFacet>& { return facets_of_shell(s, record); });
+    }
     FieldValues field{info_of_field(of.name), of.unit, FieldLocation::node, {}};
     field.values.resize(field.width() * nodes->size());
     for (std::size_t n = 0; n < nodes->size(); ++n) of.put((*nodes)[n], &field.values[field.width() * n]);
@@ -347,7 +350,8 @@ void ResultFields::add_rod_fields(const StepRecord& record, std::span<const std:
     if (std::ranges::find(names, of.name) == names.end()) continue;
     FieldValues field{info_of_field(of.name), of.unit, FieldLocation::cell, {}};
     const RodState& state = rods(record);
-    for (const std::ptrdiff_t segment : model_.rods().term->segment_of_cell()) {
+    if (!model_.rods().term) field.values.assign(static_cast<std::size_t>(model_.layout().num_local_cells), 0.0);
+    for (const std::ptrdiff_t segment : model_.rods().segment_of_cell()) {
       field.values.push_back(segment < 0 ? 0.0 : state.middles[static_cast<std::size_t>(segment)].*of.value);
     }
     fields.push_back(std::move(field));
@@ -369,7 +373,7 @@ std::vector<FieldValues> ResultFields::at(const StepRecord& record, std::span<co
   }
   if (model_.contacts() != nullptr) add_contact_fields(record, names, fields);
   if (!model_.shells().shells.empty()) add_shell_fields(record, names, fields);
-  if (model_.rods().term) add_rod_fields(record, names, fields);
+  if (!model_.rods().rods.empty()) add_rod_fields(record, names, fields);
   for (const CellResult& of : cell_results) {
     if (!is_wanted(of.name)) continue;
     const std::vector<CellState>& states = is_nodal_ ? nodes(record) : cells(record);

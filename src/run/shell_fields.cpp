@@ -91,12 +91,13 @@ std::vector<LayerFacet> ShellFields::of_facets(std::size_t number, const StepRec
   return facets;
 }
 
-std::vector<LayerState> ShellFields::at_nodes(const StepRecord& record) const {
+std::vector<LayerState> ShellFields::at_nodes(
+    const std::function<const std::vector<LayerFacet>&(std::size_t)>& of_shell) const {
   const NodeLayout& layout = model_.layout();
   std::map<std::array<std::int64_t, 3>, Stack> stacks;
   for (std::size_t s = 0; s < model_.shells().shells.size(); ++s) {
     const FacetList& list = model_.shells().shells[s].facets;
-    const std::vector<LayerFacet> facets = of_facets(s, record);
+    const std::vector<LayerFacet>& facets = of_shell(s);
     for (std::size_t f = 0; f < facets.size(); ++f) {
       const auto nodes = list.nodes_of(static_cast<PetscInt>(f));
       Stack& stack = stacks[corners_of(layout, nodes)];

@@ -5,6 +5,8 @@
 #include "run/simulation.hpp"
 
 #include <array>
+#include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -37,8 +39,9 @@ class ShellFields {
   /// The facets of a shell in the order of its list. Collective.
   std::vector<LayerFacet> of_facets(std::size_t shell, const StepRecord& record) const;
   /// Means over the facets around each local node, by their areas; zero where there are none. Where layers lie on one
-  /// another, their forces and moments are added. Complete at owned nodes. Collective.
-  std::vector<LayerState> at_nodes(const StepRecord& record) const;
+  /// another, their forces and moments are added. `of_shell`: the facets of a shell (of_facets). Complete at owned
+  /// nodes. Not collective, unless `of_shell` is.
+  std::vector<LayerState> at_nodes(const std::function<const std::vector<LayerFacet>&(std::size_t)>& of_shell) const;
 
  private:
   Model& model_;

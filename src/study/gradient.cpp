@@ -102,7 +102,8 @@ class GradientStudy {
               ? "in each cell: not only the law of the body depends on it, but also what is derived from it, such as "
                 "the stiffness of contact, a load that varies in space, or velocities that change at once where "
                 "constraints begin to move"
-              : "at each node: not only cells depend on places in the mesh, but also loads on surfaces, formulas of x, "
+              : "at each node: not only cells depend on places in the mesh, but also shells, loads on surfaces, "
+                "formulas of x, "
                 "y and z, contact, or velocities that change at once where constraints begin to move; leave them out";
       throw InputError({numbers_.file(), 0, 0}, fmt::format("'{}' cannot have a derivative {}", fields_.key(n), why));
     }

@@ -263,7 +263,7 @@ void Vibration::set_damping(const Config& config, const BaseState& about) {
   damping_terms_ = model_.viscous_terms(with_rates_alone(config, relaxing_));
   std::vector<const EnergyTerm*> terms;
   for (const auto& term : damping_terms_) terms.push_back(term.get());
-  if (const auto& of_rods = model_.rods().viscosity) terms.push_back(of_rods.get());
+  for (const auto& of_rods : model_.rods().viscosity) terms.push_back(of_rods.get());
   for (const ModelShell& shell : model_.shells().shells) {
     if (shell.membrane.viscosity) terms.push_back(shell.membrane.viscosity.get());
     if (shell.bending_viscosity) terms.push_back(shell.bending_viscosity.get());

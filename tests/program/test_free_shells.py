@@ -256,6 +256,39 @@ constraints:
         self.assertLess(found["pull_fx"], 1.0)
         np.testing.assert_allclose(found["bottom_fx"], -found["pull_fx"], rtol=1e-6)
 
+    def test_a_chamber_of_a_block_under_a_lid(self):
+        # The lid gets the orientation of the walls, whatever its own is in the mesh: pressure bulges it outwards.
+        geometry = """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 4, 4, 2}; Box(2) = {1, 1, 1, 2, 2, 1};
+BooleanDifference(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
+Rectangle(100) = {1, 1, 2, 2, 2};
+BooleanFragments{ Volume{3}; Delete; }{ Surface{100}; Delete; }
+lid() = Surface In BoundingBox {0.9, 0.9, 1.9, 3.1, 3.1, 2.1};
+walls() = Surface In BoundingBox {0.9, 0.9, 0.9, 3.1, 3.1, 2.1};
+walls() -= lid();
+Physical Volume("block") = {3};
+Physical Surface("chamber") = {walls(), lid()};
+Physical Surface("lid") = {SIGNlid()};
+Physical Surface("bottom") = Surface In BoundingBox {-0.1, -0.1, -0.1, 4.1, 4.1, 0.1};
+Mesh.MeshSizeMax = 0.7;
+"""
+        text = f"""mesh: {{file: block.geo}}
+bodies: [{{volume: block, density: 1000, elasticity: {{model: neo-hookean, youngs_modulus: 1e7, poissons_ratio: 0.3}}}}]
+shells: [{{name: lid, surface: lid, free: true, thickness: 0.02, {LAW % (1e6, 0.3)}}}]
+constraints: [{{surface: bottom, displacement: [0, 0, 0]}}]
+cavities: [{{name: chamber, surface: chamber, pressure: 2 kPa}}]
+probes: [{{name: top, point: [2, 2, 2]}}]
+"""
+        heights = []
+        for sign, ranks in (("", 1), ("-", 2)):
+            self.write("block.geo", geometry.replace("SIGN", sign))
+            h = self.solve(text, "method: static, load_steps: 4", ranks)
+            np.testing.assert_allclose(h["chamber_volume"][0], 4, rtol=1e-12)
+            self.assertGreater(h["chamber_volume"][-1], 4.2)
+            heights.append(h["top_z"][-1] - 2)
+        self.assertGreater(heights[0], 0.1)
+        np.testing.assert_allclose(heights[1], heights[0], rtol=1e-6)
+
     def test_results(self):
         self.patch((6, 3), lambda s, t: (s, 0.4 * t, 0.0))
         self.write("in.yaml", SHAKEN + "time: {method: dirk22, step: 20 ms, end: 0.2}\noutput: {every: 0.2}\n")

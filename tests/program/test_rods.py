@@ -5,11 +5,12 @@ import unittest
 
 import numpy as np
 
-from program import ALL_OR_SOME, ROOT, ProgramTest, read_history, swept
+from program import ALL_OR_SOME, LINE, ROOT, ProgramTest, box, read_history, swept, write_mesh
 
 sys.path.insert(0, str(ROOT / "src/python"))
 
 import pliant  # noqa: E402
+from pliant.pictures.shown import radii_of_rods  # noqa: E402
 
 # E I = 1 N m^2, and E A = 4e6 N: the axis hardly changes its length.
 SLENDER = "radius: 1 mm, youngs_modulus: 1.2732395447351628e12, poissons_ratio: 0.3"
@@ -38,6 +39,17 @@ JOINED = """rods:
 rigid_bodies: [{name: block, mass: 20 g, inertia: [1e-6, 1e-6, 1e-6], center: [0, 0, 0.5]}]
 loads: [{gravity: [0, 0, -9.81]}, {force: [0, "0.1*sin(20*t)", 0], volume: block}]
 """
+
+
+def add_curves(path, curves):
+    """Adds physical curves to a mesh of gmsh's format 2: chains of nodes, numbers from 0, by their names."""
+    lines = path.read_text(encoding="ascii").split("\n")
+    for tag, (name, chain) in enumerate(curves.items(), 50):
+        for place, more in (("$PhysicalNames", [f'1 {tag} "{name}"']),
+                            ("$Elements", [f"{10000 * tag + k} {LINE} 2 {tag} {tag} {a + 1} {b + 1}" for k, (a, b) in enumerate(zip(chain, chain[1:]))])):
+            count = lines.index(place) + 1
+            lines[count:count + 1] = [str(int(lines[count]) + len(more)), *more]
+    path.write_text("\n".join(lines), encoding="ascii")
 
 
 class Rods(ProgramTest):
@@ -236,6 +248,86 @@ probes: [{name: tip, point: [0.1, 0.01, 0.01]}]
             h = self.solve(stiff + (late if "step" in time else bent.split("loads")[0]), time)
             np.testing.assert_array_equal(h["elastic_energy"][:3], 0)
 
+    def test_a_turned_model_gives_the_same(self):
+        # Round wires, whose directors have any direction: on an edge of a skew bar, with an angle of 60 degrees, and in a face.
+        n = (5, 2, 2)
+        skew = lambda x: np.stack([x[..., 0], x[..., 1] + 0.5 * x[..., 2], np.sqrt(0.75) * x[..., 2]], axis=-1)
+        points, triangles, cells = box(n, (0.1, 0.03, 0.03), shape=skew)
+        curves = {"edge": np.arange(n[0] + 1), "face": np.arange(n[0] + 1) + n[0] + 1}
+
+        def turned(angle):
+            """Where the tip moves, in the axes of the model that is turned about x."""
+            c, s = np.cos(angle), np.sin(angle)
+            Q = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+            write_mesh(self.directory / "turned.msh", points @ Q.T, triangles, cells)
+            add_curves(self.directory / "turned.msh", curves)
+            vector = lambda x: "[" + ", ".join(f"{value:.17g}" for value in Q @ np.array(x)) + "]"
+            rods = "".join(f"  - {{name: {name}, curve: {name}, radius: 2 mm, density: 7800, youngs_modulus: 1e8, poissons_ratio: 0.3}}\n"
+                           for name in ("edge", "face"))
+            h = self.solve(f"""mesh: {{file: turned.msh}}
+bodies: [{{density: 1000, elasticity: {{model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}}}}]
+rods:
+{rods}constraints: [{{surface: left, displacement: [0, 0, 0]}}]
+loads: [{{gravity: {vector([1, -5, -8])}}}]
+probes: [{{name: p, point: {vector([0.1, 0, 0])}}}]
+solver: {{newton: {{relative: 1e-12}}}}
+""", "method: static")
+            return np.array([h[f"p_u{axis}"][-1] for axis in "xyz"]) @ Q
+
+        reference = turned(0)
+        self.assertGreater(np.abs(reference).max(), 1e-3)
+        for angle in swept((0.35, 0.8, 1.2, 2.5), (0.8,)):
+            # Frames follow the first director, and the body shears sections a little: up to 4e-5. With four places of a section, 2e-3.
+            np.testing.assert_allclose(turned(angle), reference, rtol=0, atol=1e-4 * np.abs(reference).max())
+
+    def test_fibres(self):
+        # A thin wire near the lower side of a bar: without its bending, which counts for nothing, it has no frames.
+        self.write("bar.geo", """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 0.05, 0.01, 0.01};
+Point(101) = {0, 0.005, 0.002}; Point(102) = {0.05, 0.005, 0.002};
+Line(101) = {101, 102};
+BooleanFragments{ Volume{1}; Delete; }{ Curve{101}; Delete; }
+Physical Volume("bar") = {1};
+Physical Curve("line") = {101};
+Physical Surface("left") = Surface In BoundingBox {-1e-6, -1, -1, 1e-6, 1, 1};
+Mesh.MeshSizeMax = 0.005;
+""")
+        text = """mesh: {file: bar.geo}
+bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.4}}]
+rods: [{name: wire, curve: line, radius: 0.05 mm, youngs_modulus: 1 GPa, poissons_ratio: 0.3, density: 7800, damping: 2 msMORE}]
+constraints: [{surface: left, displacement: [0, 0, 0]}]
+loads: [{gravity: [0, 0, -9.81]}]
+probes: [{name: tip, point: [0.05, 0.005, 0.005]}]
+solver: {newton: {relative: 1e-11}}
+"""
+        time = "method: bdf2, step: 5 ms, end: 0.05"
+        columns = "output: {every: 1, history: [{name: f, of: rod_force, in: wire, take: min}, {name: m, of: rod_bending_moment, in: wire, take: max}]}"
+
+        def solve(more, ranks=1):
+            self.write("in.yaml", text.replace("MORE", more) + f"time: {{{time}}}\n{columns}\n")
+            return self.run_input("in.yaml", ranks=ranks)
+
+        fibre, same, rod = solve(""), solve(", bending: false", 2), solve(", bending: true")
+        self.assert_same_history({name: fibre[name] for name in same if "iterations" not in name},
+                                 {name: same[name] for name in same if "iterations" not in name}, 1e-6)
+        fall, of_rod = (h["tip_z"] - 0.005 for h in (fibre, rod))
+        self.assertLess(fall.min(), -1e-4)
+        np.testing.assert_allclose(fall, of_rod, atol=5e-3 * np.abs(fall).max())
+        np.testing.assert_allclose(fibre["f"], rod["f"], atol=1e-3 * np.abs(fibre["f"]).max())
+        self.assertLess(fibre["f"].min(), -1e-4)
+        np.testing.assert_array_equal(fibre["m"], 0)
+        self.assertGreater(rod["m"].max(), 0)
+        self.assertGreater(fibre["dissipated_rod_viscosity"][-1], 0)
+        np.testing.assert_allclose(fibre["energy_balance_error"], 0, atol=1e-6 * np.abs(fibre["kinetic_energy"]).max())
+        self.write("in.yaml", text.replace("MORE", "") + f"time: {{{time}}}\n")
+        self.assertRegex(self.pliant("check", "in.yaml").stdout, r"wire: \d+ segments, 0.05 m long, .*; a fibre: only E A counts")
+        # Its weight acts by its name, too, and what bends as much as its surroundings is a rod.
+        weight = text.replace("MORE", "").replace("-9.81]", "-9.81], volume: wire")
+        h = self.solve(weight, "method: static")
+        np.testing.assert_allclose(h["left_fz"][-1], np.pi * 2.5e-9 * 0.05 * 7800 * 9.81, rtol=1e-6)
+        self.write("in.yaml", text.replace("MORE", "").replace("0.05 mm", "0.5 mm") + f"time: {{{time}}}\n")
+        self.assertNotIn("a fibre", self.pliant("check", "in.yaml").stdout)
+
     def test_an_inextensible_fibre(self):
         # A wire on the side of a bar that is pulled: the bar curls, and the stiffer the wire, the less depends on its stiffness.
         self.write("bar.geo", """SetFactory("OpenCASCADE");
@@ -274,6 +366,7 @@ probes: [{{name: tip, point: [0.1, 0.01, 0.01]}}]
 loads: [{gravity: [0, 0, -9.81]}]
 """, "method: bdf2, step: 5 ms, end: 0.01")
         self.pliant("render", "out", "--size=320x240", "--output", "rods.png")
+        self.assertEqual({"wire": 5e-3}, {name: round(radius, 9) for name, radius in radii_of_rods(pliant.Result(self.directory / "out").mesh()).items()})
         self.assertIn("--scale 1 only", self.pliant("render", "out", "--scale", 2, status=2).stderr)
 
     def test_results(self):
@@ -303,6 +396,7 @@ loads: [{gravity: [0, 0, -9.81]}]
             "rod 'beam' has the same point twice": line.replace("[1, 0, 0]]", "[1, 0, 0], [1, 0, 0]]"),
             "turns back on itself": line.replace("[1, 0, 0]]", "[1, 0, 0], [0.5, 0, 0]]"),
             "follows a curve of the mesh, which this input lacks": line.replace("points: [[0, 0, 0], [1, 0, 0]]", "curve: wire"),
+            "give it one instead of `points`, or remove 'bending: false'": line.replace("radius: 1 mm", "radius: 1 mm, bending: false"),
             "names a rod and a probe": line + "probes: [{name: beam, point: [0, 0, 0]}]\n",
         }
         self.write("in.yaml", SHAKEN + "time: {method: bdf2, step: 2 ms, end: 0.2}\n")

@@ -1,5 +1,6 @@
 #include "energy/contact/body_surfaces.hpp"
 
+#include "fem/facet_triangles.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -10,13 +11,9 @@
 namespace pliant {
 namespace {
 
-/// The corners of the triangles of a facet, among its nodes (corners, then mid-edge nodes 01 12 02).
-constexpr std::array<std::array<int, 3>, 1> linear_triangles{{{0, 1, 2}}};
-constexpr std::array<std::array<int, 3>, 4> quadratic_triangles{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
-
-std::span<const std::array<int, 3>> triangles_of_facet(std::span<const PetscInt> nodes) {
-  if (nodes.size() == 3 || is_segment(nodes)) return linear_triangles;
-  return quadratic_triangles;
+/// A segment is one triangle.
+std::span<const std::array<int, 3>> triangles_of(std::span<const PetscInt> nodes) {
+  return triangles_of_facet(is_segment(nodes) ? 3 : static_cast<int>(nodes.size()));
 }
 
 /// f(local nodes, facet) of each triangle of each facet.
@@ -25,7 +22,7 @@ void for_each_triangle(const FacetList& facets, const F& f) {
   const auto n = static_cast<std::size_t>(facets.nodes_per_facet);
   for (PetscInt facet = 0; facet < facets.size(); ++facet) {
     const auto nodes = std::span(facets.nodes).subspan(facet * n, n);
-    for (const auto& [a, b, c] : triangles_of_facet(nodes)) {
+    for (const auto& [a, b, c] : triangles_of(nodes)) {
       f(std::array{nodes[a], nodes[b], nodes[c]}, facet);
     }
   }

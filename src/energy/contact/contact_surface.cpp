@@ -1,5 +1,6 @@
 #include "energy/contact/contact_surface.hpp"
 
+#include "collision/contact_pairs.hpp"
 #include "fem/element.hpp"
 #include "fem/quadrature.hpp"
 
@@ -77,9 +78,7 @@ void ContactSurface::set_points(std::span<const std::array<double, 2>> points, s
 }
 
 void ContactSurface::set_points_of_segments(double thickness) {
-  const double c = 0.5 * (1.0 - std::sqrt(3.0 / 7.0));
-  const std::array<std::array<double, 2>, 5> rule{
-      {{0.0, 1.0 / 20.0}, {c, 49.0 / 180.0}, {0.5, 16.0 / 45.0}, {1.0 - c, 49.0 / 180.0}, {1.0, 1.0 / 20.0}}};
+  const std::array<LinePoint, 5> rule = lobatto_rule();
   num_points_ = rule.size();
   for (const auto& [s, weight] : rule) {
     std::vector<double> N(static_cast<std::size_t>(facets_.nodes_per_facet), 0.0);

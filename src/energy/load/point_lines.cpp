@@ -8,8 +8,6 @@
 namespace pliant {
 namespace {
 
-/// Pairs are sorted into so many kinds, so that not all points are looked at as neighbours of all others.
-constexpr std::size_t num_kinds = 32;
 /// Points coincide whose distance is a smaller part of their coordinates.
 constexpr double rounding = 1e-14;
 
@@ -129,8 +127,22 @@ PointLine LineMaker::take(std::size_t number, bool is_counted) && {
 
 PointLines::PointLines(const NodeLayout& layout, std::span<const AttachedPoint> points)
     : points_(nodes_of_points(layout, points)),
-      patches_(patches_of_points(layout, points_, [](std::size_t k) { return static_cast<int>(k / 2 % num_kinds); })) {
+      patches_(patches_of_points(layout, points_, [](std::size_t /*k*/) { return 0; })) {
   for (const AttachedPoint& point : points) fixed_.push_back(point.fixed.value_or(Vector3<double>{}));
+  std::map<std::size_t, std::size_t> place;
+  for (std::size_t p = 0; p < patches_.size(); ++p) place.emplace(static_cast<std::size_t>(patches_.keys[p]), p);
+  for (std::size_t k = 0; k < points.size(); k += 2) {
+    const bool is_here = place.contains(k) || place.contains(k + 1);
+    if (!is_here || points_.nodes[k].empty() || points_.nodes[k + 1].empty()) continue;
+    for (const std::size_t point : {k, k + 1}) {
+      if (!place.emplace(point, patches_.size() + fixed_pairs_.keys.size()).second) continue;
+      fixed_pairs_.keys.push_back(static_cast<std::int64_t>(point));
+      fixed_pairs_.tags.push_back(0);
+      const auto& nodes = points_.nodes[point];
+      fixed_pairs_.global_nodes.insert(fixed_pairs_.global_nodes.end(), nodes.begin(), nodes.end());
+    }
+    fixed_pairs_.pairs.push_back({place.at(k), place.at(k + 1)});
+  }
 }
 
 std::vector<PointLine> PointLines::seen(const NearPatches& near) const {

@@ -79,12 +79,15 @@ class PointLines {
   PointLines(const NodeLayout& layout, std::span<const AttachedPoint> points);
 
   const Patches& patches() const { return patches_; }
+  /// The points of those of which one has a node of this rank.
+  const FixedPairs& fixed_pairs() const { return fixed_pairs_; }
   /// Pairs in which this rank sees both points; all of those with a node of its own.
   std::vector<PointLine> seen(const NearPatches& near) const;
 
  private:
   NodesOfPoints points_;
-  Patches patches_;                     // of the points that move
+  Patches patches_;  // of the points that move
+  FixedPairs fixed_pairs_;
   std::vector<Vector3<double>> fixed_;  // of each point in space [m]
 };
 

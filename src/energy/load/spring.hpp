@@ -32,10 +32,9 @@ class LineTerm : public EnergyTerm, public PairCoupling {
   LineTerm(const NodeLayout& layout, std::span<const AttachedPoint> points, std::vector<LineSpring> springs);
 
   const Patches& patches() const override { return pairs_.patches(); }
-  /// The points of a pair are near each other wherever they are.
-  double reach() const override { return 1e9; }
-  bool may_couple(int tag, int other) const override { return tag == other; }
-  bool couples(std::int64_t key, std::int64_t other) const override { return key / 2 == other / 2; }
+  double reach() const override { return 1.0; }
+  bool may_couple(int /*tag*/, int /*other*/) const override { return true; }
+  const FixedPairs* fixed_pairs() const override { return &pairs_.fixed_pairs(); }
   std::shared_ptr<const PairFeatures> features_of(const NearPatches& near) const override;
   Coupling coupling() const override { return static_cast<const PairCoupling*>(this); }
 

@@ -122,10 +122,6 @@ Rods::Rods(const NodeLayout& layout, std::span<const char> is_segment, std::vect
     const RodSegment& segment = segments_[number];
     if (segment.length > 0.0) add_middles(nodes, is_others, segment.axial / segment.length);
   }
-  fix_pairs(layout);
-}
-
-void Rods::fix_pairs(const NodeLayout& layout) {
   fixed_ = pairs_of_neighbours(layout, patches_, vertex_after_);
 }
 
@@ -196,6 +192,7 @@ std::array<double, 6> Rods::stiffness_of(const SegmentNodes& of) const {
   std::array<double, 6> stiffness;
   stiffness.fill(segment.length * segment.distortion);
   stiffness[0] = segment.length * segment.axial;
+  stiffness[3] *= 0.5;  // of d1 . d2: so that the choice of the directors in a round section makes no difference
   return stiffness;
 }
 

@@ -43,7 +43,8 @@ struct RodVertex {
 ///     U = sum_segments l/2 (E A (|t| - 1)^2 + k sum distortions^2)
 ///       + sum_vertices 1/(2 l) (E I_1 (kappa_1 - kappa_1^0)^2 + E I_2 (kappa_2 - kappa_2^0)^2 + G J (m - m^0)^2),
 ///
-/// with the strains of energy/rod/rod_strains.hpp; those at rest are in the reference configuration. The distortions
+/// with the strains of energy/rod/rod_strains.hpp; those at rest are in the reference configuration. In the sum of the
+/// distortions (d_1 . d_2)^2 counts half, so that it is the same for any two axes of a round section. The distortions
 /// keep t, d_1 and d_2 at right angles and of unit length: nothing else acts on them but inertia, so they vanish in
 /// equilibrium whatever k is. U depends on positions alone, and does not change in rigid motions: every method keeps
 /// its order, and momenta are conserved.
@@ -108,8 +109,6 @@ class Rods final : public EnergyTerm, public PairCoupling {
     PetscInt node = 0, a = 0, b = 0;
     double stiffness = 0.0;  // [N/m]
   };
-  /// The neighbours of which one has a node of this rank.
-  void fix_pairs(const NodeLayout& layout);
   /// `nodes`: of a cell; `is_others`: one flag per local node, those of other cells.
   void add_middles(std::span<const PetscInt> nodes, std::span<const char> is_others, double stiffness);
   /// u of the middle without the mean of the ends'.

@@ -2,6 +2,7 @@
 
 #include "base/compensated_sum.hpp"
 #include "energy/shell/hinge_sums.hpp"
+#include "fem/facet_triangles.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -13,15 +14,10 @@ namespace {
 
 using TriangleNodes = ShellTopology::Triangle;
 
-/// The corners of the triangles of a facet, among its nodes (corners, then mid-edge nodes 01 12 02).
-constexpr std::array<std::array<int, 3>, 1> linear_triangles{{{0, 1, 2}}};
-constexpr std::array<std::array<int, 3>, 4> quadratic_triangles{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
-
 /// f(local nodes, facet) of each triangle of each facet.
 template <class F>
 void for_each_triangle(const FacetList& facets, const F& f) {
-  const std::span<const std::array<int, 3>> triangles =
-      facets.nodes_per_facet == 3 ? std::span<const std::array<int, 3>>(linear_triangles) : quadratic_triangles;
+  const auto triangles = triangles_of_facet(facets.nodes_per_facet);
   for (PetscInt facet = 0; facet < facets.size(); ++facet) {
     const auto nodes = facets.nodes_of(facet);
     for (const auto& [a, b, c] : triangles) f(std::array{nodes[a], nodes[b], nodes[c]}, facet);

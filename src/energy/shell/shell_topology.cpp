@@ -1,12 +1,14 @@
 #include "energy/shell/shell_topology.hpp"
 
+#include "base/orientation.hpp"
+
 #include <algorithm>
 
 namespace pliant {
 
 ShellTopology::ShellTopology(std::vector<Triangle> triangles, std::span<const ClampedEdge> clamped)
     : triangles_(std::move(triangles)) {
-  orient(sides_of_edges());
+  orient(triangles_);
   std::map<std::pair<std::int64_t, std::int64_t>, const ClampedEdge*> is_clamped;
   for (const ClampedEdge& edge : clamped) is_clamped.emplace(std::pair(edge.nodes[0], edge.nodes[1]), &edge);
   edge_at_.assign(triangles_.size(), {-1, -1, -1});
@@ -41,37 +43,6 @@ ShellTopology::SidesOfEdges ShellTopology::sides_of_edges() const {
     }
   }
   return result;
-}
-
-void ShellTopology::orient(const SidesOfEdges& sides) {
-  std::vector<char> is_done(triangles_.size(), 0);
-  std::vector<std::size_t> waiting;
-  // From a triangle whose orientation is settled to those beyond its sides.
-  const auto settle_neighbours = [&](std::size_t t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::int64_t from = triangles_[t][k], to = triangles_[t][(k + 1) % 3];
-      const auto& both = sides.at(std::minmax(from, to));
-      if (both.size() != 2) continue;
-      const auto other = static_cast<std::size_t>(both[0].triangle == static_cast<std::int64_t>(t) ? both[1].triangle
-                                                                                                   : both[0].triangle);
-      if (is_done[other] != 0) continue;
-      Triangle& nodes = triangles_[other];
-      const auto place = static_cast<std::size_t>(std::ranges::find(nodes, from) - nodes.begin());
-      if (nodes[(place + 1) % 3] == to) std::swap(nodes[1], nodes[2]);
-      is_done[other] = 1;
-      waiting.push_back(other);
-    }
-  };
-  for (std::size_t first = 0; first < triangles_.size(); ++first) {
-    if (is_done[first] != 0) continue;
-    is_done[first] = 1;
-    waiting.push_back(first);
-    while (!waiting.empty()) {
-      const std::size_t t = waiting.back();
-      waiting.pop_back();
-      settle_neighbours(t);
-    }
-  }
 }
 
 ShellTopology::Side ShellTopology::across(std::size_t triangle, std::size_t k) const {

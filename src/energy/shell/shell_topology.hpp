@@ -57,7 +57,6 @@ class ShellTopology {
  private:
   using SidesOfEdges = std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Side>>;
   SidesOfEdges sides_of_edges() const;
-  void orient(const SidesOfEdges& sides);
 
   std::vector<Triangle> triangles_;
   std::vector<Edge> edges_;

@@ -62,6 +62,13 @@ void check_rod(const Config& config, const RodConfig& rod, Diagnostics& diagnost
                     fmt::format("missing key 'density' of rod '{}', which {} needs", rod.name,
                                 is_dynamic ? "dynamics" : "gravity"));
   }
+  if (rod.bends == false && (rod.curve.empty() || !rod.holder(0).empty() || !rod.holder(1).empty())) {
+    diagnostics.add(
+        {rod.where, {"bending"}}, rod.where,
+        fmt::format("rod '{}' does not resist bending, so that it is held by nothing but a body along its "
+                    "`curve`: {}, or remove 'bending: false'",
+                    rod.name, rod.curve.empty() ? "give it one instead of `points`" : "remove `start` and `end`"));
+  }
   if (!rod.curve.empty() && config.mesh.file.value.empty()) {
     diagnostics.add(rod.where, fmt::format("rod '{}' follows a curve of the mesh, which this input lacks: give its "
                                            "'points'",

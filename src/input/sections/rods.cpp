@@ -75,6 +75,9 @@ Section<RodConfig> rod_keys() {
               "damping", &R::damping, quantity("s", Range::at_least(0)),
               "viscosity: resistance to rates of stretch, bending and twist, as this time multiplied by the stiffness")
               .otherwise("0"),
+          field("bending", &R::bends, truth(),
+                "whether it resists bending and twist, besides stretch; without, it follows a `curve` in bodies")
+              .otherwise_in_words("true, unless the cells of the body around it resist a hundred times as much"),
           field("start", &R::start, text(), "in what its section at the first point" + holder)
               .otherwise_in_words("in nothing: it is free")
               .left_out_if([](const R& rod) { return rod.start.value.empty(); }),

@@ -9,7 +9,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from .shown import JOINT
 
-THICKNESS, DOT = 0.004, 0.014  # radius of lines and of the spheres at joints, as fractions of the scene's size
+THICKNESS, DOT = 0.004, 0.014  # radius of lines, at least, and of the spheres at joints, as fractions of the scene's size
 
 
 class DrawnMechanisms:
@@ -19,7 +19,8 @@ class DrawnMechanisms:
         self._lines, self._places = vtkPolyData(), vtkPolyData()
         tubes = vtkTubeFilter()
         tubes.SetInputData(self._lines)
-        tubes.SetRadius(THICKNESS * size)
+        tubes.SetVaryRadiusToVaryRadiusByAbsoluteScalar()
+        self._least_radius = THICKNESS * size
         tubes.SetNumberOfSides(16)
         tubes.CappingOn()
         ball = vtkSphereSource()
@@ -48,6 +49,8 @@ class DrawnMechanisms:
     def set(self, shown):
         """`shown`: a ShownMechanisms."""
         self._fill(self._lines, shown.points, shown.segments)
+        radii = np.maximum(shown.radii, self._least_radius)
+        self._lines.GetPointData().SetScalars(numpy_to_vtk(np.ascontiguousarray(radii), deep=True))
         self._lines.GetCellData().SetScalars(numpy_to_vtk(np.ascontiguousarray(shown.colours), deep=True))
         self._fill(self._places, shown.points[shown.joints])
 

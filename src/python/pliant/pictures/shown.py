@@ -1,5 +1,6 @@
 """What is shown of a result: which bodies, obstacles and mechanisms, where they are in a frame, and their colours."""
 import dataclasses
+import itertools
 
 import numpy as np
 
@@ -25,14 +26,37 @@ class Shell:
     names: "list[str]"  # of the bodies
 
 
-class ShownMechanisms:
-    """Those of a frame whose names are not in `hidden`; `colour_of`: colours of tensions, None for plain lines."""
+def radii_of_rods(mesh):
+    """Half of the thickness of each rod [m], by its name: from its cells, whose corners are the ends of a segment and a point on each of
+    the axes of its section. Fibres have no cells, and are not here."""
+    radii = {}
+    for name in mesh.rods:
+        cells = np.flatnonzero(mesh.body == mesh.body_names.index(name))
+        if len(cells) == 0:
+            continue
+        x = mesh.coordinates[mesh.cells[cells[0], :4]]
+        found = []
+        for axis in itertools.combinations(range(4), 2):
+            along = x[axis[1]] - x[axis[0]]
+            arms = x[[k for k in range(4) if k not in axis]] - x[list(axis)].mean(axis=0)
+            length, lengths = np.linalg.norm(along), np.linalg.norm(arms, axis=1)
+            cosines = [*(arms @ along / (lengths * length)), arms[0] @ arms[1] / lengths.prod()]
+            found.append((round(np.abs(cosines).sum(), 6), -length, lengths.min()))  # where two fit, the axis is the longest
+        radii[name] = min(found)[2]
+    return radii
 
-    def __init__(self, mechanisms, hidden, colour_of):
+
+class ShownMechanisms:
+    """Those of a frame whose names are not in `hidden`; `colour_of`: colours of tensions, None for plain lines; `radii`: of rods, by name."""
+
+    def __init__(self, mechanisms, hidden, colour_of, radii):
         names, first_joint = np.array(mechanisms.names), len(mechanisms.names) - len(mechanisms.joints)
         kept = ~np.isin(names[mechanisms.part], hidden)
         part = mechanisms.part[kept]
         self.points, self.segments = mechanisms.points, mechanisms.segments[kept]
+        self.radii = np.zeros(len(self.points))
+        for number, name in enumerate(mechanisms.names):
+            self.radii[self.segments[part == number].ravel()] = radii.get(name, 0.0) if mechanisms.kinds[number] == "rod" else 0.0
         self.joints = mechanisms.joints[~np.isin(names[first_joint:], hidden)]
         self.colours = np.array([COLOURS.get(mechanisms.kinds[p], JOINT) for p in part], dtype=np.uint8).reshape(-1, 3)
         is_line = part < first_joint
@@ -57,7 +81,7 @@ class Shown:
 
     def __init__(self, result, chosen, options):
         self._result, self._options, self.frames = result, options, chosen
-        self._shells_of_mesh = {}
+        self._shells_of_mesh, self._radii_of_mesh = {}, {}
         self._require_names(chosen[0])
         self.by_tension = options.field == "tension"
         self.quantity = self._chosen_quantity()
@@ -143,12 +167,17 @@ class Shown:
             return None
         return dataclasses.replace(obstacles, triangles=obstacles.triangles[shown], obstacle=obstacles.obstacle[shown])
 
+    def _radii(self, frame):
+        if frame.mesh_group not in self._radii_of_mesh:
+            self._radii_of_mesh[frame.mesh_group] = radii_of_rods(frame.mesh)
+        return self._radii_of_mesh[frame.mesh_group]
+
     def mechanisms(self, frame):
         """Those that are not hidden; None where displacements are not drawn as they are."""
         given = frame.mechanisms if self._options.scale == 1 else None
         if given is None:
             return None
-        shown = ShownMechanisms(given, self._options.hide, self.colours if self.by_tension else None)
+        shown = ShownMechanisms(given, self._options.hide, self.colours if self.by_tension else None, self._radii(frame))
         return shown if len(shown.segments) > 0 else None
 
     def near_obstacles(self):
