@@ -38,7 +38,7 @@ _pliant() {
     'render') options='-h --help -o --output --field --range --movie --fps --frame --view --size --scale --hide --transparent --title --frames --mesh-edges --outline' words='' files='*.@(h5|xdmf)' ;;
     'plot') options='-h --help -o --output --of --x' words='' files='*' ;;
     'check') options='-h --help --set --html' words='' files='*.@(yaml|yml)' ;;
-    'converge') options='-h --help --set --output --in --levels --methods --no-check' words='' files='*.@(yaml|yml)' ;;
+    'converge') options='-h --help --set --output --in --levels --methods --result --no-check' words='' files='*.@(yaml|yml)' ;;
     'modes') options='-h --help --set --output --number --near --unloaded' words='' files='*.@(yaml|yml)' ;;
     'sweep') options='-h --help --set --output --result --samples --seed --logarithmic --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
     'compare') options='-h --help --of --output' words='' files='*' ;;
@@ -57,7 +57,7 @@ _pliant() {
   esac
   # What follows an option that takes a value is that.
   case $previous in
-    --set | --output | --size | --watch | -o | --field | --range | --movie | --fps | --frame | --view | --scale | --hide | --transparent | --title | --of | --x | --html | --in | --levels | --methods | --number | --near | --result | --samples | --seed | --logarithmic | --jobs | --ranks | --adjoint | --to | --fields | --kept-steps | --units | --stretch) options='' words='' files='' ;;
+    --set | --output | --size | --watch | -o | --field | --range | --movie | --fps | --frame | --view | --scale | --hide | --transparent | --title | --of | --x | --html | --in | --levels | --methods | --result | --number | --near | --samples | --seed | --logarithmic | --jobs | --ranks | --adjoint | --to | --fields | --kept-steps | --units | --stretch) options='' words='' files='' ;;
   esac
   case "$path $previous" in
     'run --output') files='*' ;;
