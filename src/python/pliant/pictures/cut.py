@@ -65,10 +65,17 @@ class CutSurface:
         lines = whole.element_edges
         segments = np.stack([lines[:, :-1], lines[:, 1:]], axis=2).reshape(-1, 2)
         self.element_edges = np.vstack([segments[(height[segments] <= 0).all(axis=1)], first + outlines])
+        self._keep_used_points()
+
+    def _keep_used_points(self):
+        """Those above the plane would be seen by the camera and in the range of colours."""
+        self._used, number = np.unique(np.append(self.triangles, self.element_edges), return_inverse=True)
+        number = number.ravel()
+        self.triangles, self.element_edges = (number[:self.triangles.size].reshape(-1, 3), number[self.triangles.size:].reshape(-1, 2))
 
     def of_nodes(self, values):
         outside = self._whole.of_nodes(values)
-        return np.concatenate([outside, _between(outside, *self._new), _between(values, *self._section)])
+        return np.concatenate([outside, _between(outside, *self._new), _between(values, *self._section)])[self._used]
 
     def of_cells(self, values):
         return self.of_nodes(self._whole.nodal_means(values))
