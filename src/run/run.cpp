@@ -161,9 +161,9 @@ class Run {
 
   void introduce() {
     const NodeLayout& layout = model_.layout();
-    console_.print(fmt::format("{}: {} tetrahedra, {} unknowns, {} rank{}",
-                               config_.title.empty() ? config_.file : config_.title, layout.num_global_cells,
-                               3 * layout.num_global_nodes, num_ranks(comm_), num_ranks(comm_) == 1 ? "" : "s"));
+    console_.print(fmt::format("{}: {}, {} unknowns, {} rank{}", config_.title.empty() ? config_.file : config_.title,
+                               in_words(model_.mesh_report().elements), 3 * layout.num_global_nodes, num_ranks(comm_),
+                               num_ranks(comm_) == 1 ? "" : "s"));
     for (const auto& notice : model_.mesh_report().notices) console_.print("note: " + notice);
     for (const auto& diagnostic : model_.diagnostics()) console_.report(diagnostic);
   }

@@ -41,7 +41,8 @@ struct Row {
 
 /// Edge of the regular tetrahedron whose volume is the mean of the cells'.
 double mesh_size(const MeshReport& mesh) {
-  return std::cbrt(6.0 * std::sqrt(2.0) * mesh.volume / static_cast<double>(mesh.num_cells));
+  const long long count = mesh.elements.tetrahedra > 0 ? mesh.elements.tetrahedra : mesh.num_cells;
+  return std::cbrt(6.0 * std::sqrt(2.0) * mesh.volume / static_cast<double>(count));
 }
 
 int theoretical_order(const Config& config) {
@@ -134,8 +135,9 @@ class Study {
         Model model(comm_, finer);
         Row next = row_of(finer, level, finer.time.step, mesh_size(model.mesh_report()));
         const LevelRun solution = solve(finer, model, next);
-        console_.print(fmt::format("level {} is solved: {} elements, {} Newton iterations, {:.3g} s", level,
-                                   model.mesh_report().num_cells, solution.newton_iterations, solution.seconds));
+        console_.print(fmt::format("level {} is solved: {}, {} Newton iterations, {:.3g} s", level,
+                                   in_words(model.mesh_report().elements), solution.newton_iterations,
+                                   solution.seconds));
         if (sample) {
           const SampledState state = sample->read(model.layout(), solution.q.get(), solution.v.get());
           row.error_q = sample->distance(coarser.u, state.u);

@@ -115,7 +115,7 @@ class Convergence(ProgramTest):
         self.assertAlmostEqual(float(rows[1]["order"]), np.log2(errors[0] / errors[1]), places=12)
         np.testing.assert_allclose([float(row["size"]) for row in rows[:2]], table["size"], rtol=1e-12)
         # A line for each level as it is solved, the last of which is the one more than asked for.
-        self.assertEqual(re.findall(r"(?m)^level (\d) is solved: (\d+) elements", done.stdout), [("0", "48"), ("1", "384"), ("2", "3072")])
+        self.assertEqual(re.findall(r"(?m)^level (\d) is solved: (\d+) tetrahedra,", done.stdout), [("0", "48"), ("1", "384"), ("2", "3072")])
         self.assertRegex(done.stdout, r"(?m)^energy \[J\]:$")
         for row in rows:
             self.assertRegex(done.stdout, rf"(?m)^static +{row['level']} +{float(row['value']):.8g} ")

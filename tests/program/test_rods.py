@@ -287,7 +287,8 @@ loads: [{gravity: [0, 0, -9.81]}]
         self.assertEqual(result.mesh().rods, ["mast", "boom"])
         self.assertEqual(result.mesh().sections, ["mast_start", "mast_end", "boom_start"])
         shown = self.pliant("check", "in.yaml").stdout
-        self.assertRegex(shown, r"mast: 5 segments, 0.5 m long, mass 0.157\d* kg; stiffness: E A 3141.59 N, .*start fixed in ground")
+        self.assertRegex(shown, r"mast: 5 segments, 0.5 m long, mass 0.157\d* kg; stiffness: E A 3141.59 N, .*start fixed in ground.*\n    extent \[.*\] x \[.*\] x \[0, 0\.5\] m\n")
+        self.assertRegex(shown, r"size       \d+ segments of rods\n")
 
     def test_what_is_refused(self):
         line = f"rods: [{{name: beam, points: [[0, 0, 0], [1, 0, 0]], {SLENDER}, start: ground}}]\ntime: {{method: static}}\n"
