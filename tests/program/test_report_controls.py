@@ -350,6 +350,7 @@ output: {fields: [displacement, von_mises_stress, FIELD]}
         browser = self.open(page=self.directory / "bent/report.html")
         browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(self.directory))
         self.assertEqual(browser.evaluate("document.querySelector('.clock').textContent"), "load 1.00")
+        self.assertEqual(set(browser.evaluate("[...document.querySelectorAll('#plots .u-series:first-child .u-label')].map(e => e.textContent)")), {"load factor"})
         browser.press("ArrowLeft")
         browser.click("#save-picture")
         end = time.monotonic() + 30
