@@ -294,7 +294,7 @@ void CommandLine::add_converge() {
   CLI::App* converge =
       app_.add_subcommand("converge", "convergence study: finer and finer steps, meshes or tolerances");
   converge->footer(examples({"pliant converge beam.yaml --in time --levels 4 --methods bdf2,dirk33",
-                             "pliant converge beam.yaml --in space --levels 3 --no-check"}));
+                             "pliant converge beam.yaml --in space --levels 3 --no-check --result \"last(tip_z)\""}));
   add_input(*converge);
   add_output(*converge, "directory for convergence.csv and the plots");
   converge
@@ -312,6 +312,7 @@ void CommandLine::add_converge() {
                    "methods to compare, e.g. bdf2,dirk22; all; default: the input's")
       ->delimiter(',')
       ->type_name("NAME,...");
+  add_results(*converge, "each level, with its error and order");
   converge->add_flag("--no-check", arguments_.accepts_any_order,
                      "do not fail where an observed order falls short of the theoretical one by more than 0.3");
   converge->callback([this] {
@@ -321,6 +322,7 @@ void CommandLine::add_converge() {
                                 : arguments_.refine == "tolerance" ? Refine::tolerance
                                                                    : Refine::time;
       arguments_.study.checks_orders = !arguments_.accepts_any_order;
+      arguments_.study.results = run_numbers();
       result_ = converge_command(comm_, arguments_.file, arguments_.overrides(), arguments_.study, console);
     };
   });

@@ -48,7 +48,7 @@ class CommandLine {
     StudyOptions study;
     Conversion conversion;
     SweepOptions sweep;
-    std::vector<std::string> results;  ///< of a sweep
+    std::vector<std::string> results;  ///< of a study: --result
     CompareOptions compare;
     SensitivityOptions sensitivity;
     GradientOptions gradient;
@@ -66,6 +66,9 @@ class CommandLine {
 
   void add_input(CLI::App& to);
   void add_output(CLI::App& to, const std::string& what);
+  void add_results(CLI::App& to, const std::string& what);
+  /// What --result asks for. Throws InputError.
+  std::vector<RunNumber> run_numbers() const;
   /// A command that prints a text.
   CLI::App& add_text(const char* name, const char* what, std::function<std::string()> text);
   void add_run();

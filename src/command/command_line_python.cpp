@@ -49,6 +49,7 @@ void CommandLine::add_render() {
                                    {"RESULT", "the output directory of a run, its result.xdmf or its result.h5"});
   render.footer(examples({"pliant render out/beam", "pliant render out/beam --field von_mises_stress --movie mp4",
                           "pliant render out/beam --frame 10 --view=-1,0.5,0.3 --hide floor --output beam.png",
+                          "pliant render out/finger --cut y --mesh-edges --colour-map cividis",
                           "pliant render out/beam --field von_mises_stress --output beam.glb"}));
   add(render,
       {{"-o,--output", "FILE",
@@ -59,6 +60,9 @@ void CommandLine::add_render() {
         "body, "
         "rank, ..., tension (colours tendons and springs), or none"},
        {"--range", "LOW,HIGH", "of the colours, in SI units; default: that of all frames"},
+       {"--colour-map", "auto|viridis|cividis|inferno|greys|diverging",
+        "viridis; cividis, the same for every colour vision; inferno; greys; diverging: blue to red about 0; default: "
+        "auto, diverging for values of both signs, else viridis"},
        {"--movie", "mp4|gif|glb", "write a movie of all frames, or a 3D model that moves (.glb)"},
        {"--fps", "N", "frames per second of the movie (25); of a .glb, which otherwise plays in real time"},
        {"--frame", "N", "which frame to draw, from 0; -1 or last is the last (default: last)"},
@@ -68,12 +72,20 @@ void CommandLine::add_render() {
        {"--size", "WxH", "in pixels (1280x800)"},
        {"--scale", "FACTOR",
         "displacements are multiplied by it (1); obstacles, tendons, springs and joints are drawn at 1 only"},
+       {"--cut", "PLANE",
+        "take away what the undeformed bodies have on the viewer's side of a plane: y (through their middle), y=0.01, "
+        "or "
+        "NORMAL=OFFSET such as 1,0,1=0.02 [m]"},
+       {"--mirror", "PLANE",
+        "draw the bodies of half a model and their image at x=0 (x), or at a plane such as y=0.01; may be repeated",
+        true},
        {"--hide", "NAME", "leave out a body, an obstacle, a tendon, a spring or a joint; may be repeated", true},
        {"--transparent", "NAME", "draw a body or an obstacle transparent; may be repeated", true},
        {"--title", "TEXT", "instead of the run's title"}});
   for (const auto& [name, what] : {std::pair{"--frames", "write every frame as a PNG"},
                                    std::pair{"--mesh-edges", "draw the edges of the elements"},
-                                   std::pair{"--outline", "draw the edges of the undeformed shape"}}) {
+                                   std::pair{"--outline", "draw the edges of the undeformed shape"},
+                                   std::pair{"--no-axes", "leave out the axes and the scale bar"}}) {
     render.add_flag(name)->description(what);
   }
 }

@@ -20,6 +20,21 @@ bool is_part_of_a_job(const Environment& environment) {
 
 }  // namespace
 
+void CommandLine::add_results(CLI::App& to, const std::string& what) {
+  to.add_option("--result", arguments_.results,
+                fmt::format("a number of {}: FUNCTION(COLUMN) of its history, e.g. max(tip_z), or "
+                            "NAME=FUNCTION(COLUMN). May be repeated",
+                            what))
+      ->allow_extra_args(false)
+      ->type_name("FUNCTION(COLUMN)");
+}
+
+std::vector<RunNumber> CommandLine::run_numbers() const {
+  std::vector<RunNumber> numbers;
+  for (const std::string& text : arguments_.results) numbers.push_back(parse_run_number(text, "--result"));
+  return numbers;
+}
+
 void CommandLine::add_sweep() {
   CLI::App* sweep = app_.add_subcommand("sweep", "run the input once for each of several values, side by side");
   sweep->footer(
@@ -35,12 +50,7 @@ void CommandLine::add_sweep() {
       ->required()
       ->allow_extra_args(false);
   add_output(*sweep, "directory for the runs, sweep.csv and the plots");
-  sweep
-      ->add_option("--result", arguments_.results,
-                   "a number of each run, for the table and a plot over the values: FUNCTION(COLUMN) of its history, "
-                   "e.g. max(tip_z), or NAME=FUNCTION(COLUMN). May be repeated")
-      ->allow_extra_args(false)
-      ->type_name("FUNCTION(COLUMN)");
+  add_results(*sweep, "each run, for the table and a plot over the values");
   auto* samples = sweep
                       ->add_option("--samples", arguments_.sweep.samples,
                                    "points to take from all ranges together, spread evenly over each of them (Latin "
@@ -70,9 +80,7 @@ void CommandLine::add_sweep() {
       if (is_part_of_a_job(arguments_.sweep.environment)) {
         throw InputError({"pliant sweep", 0, 0}, "start it without mpirun; --ranks 2 gives each run two ranks");
       }
-      for (const std::string& text : arguments_.results) {
-        arguments_.sweep.results.push_back(parse_run_number(text, "--result"));
-      }
+      arguments_.sweep.results = run_numbers();
       Console console(comm_, Verbosity::normal);
       result_ = sweep_command(arguments_.file, arguments_.overrides(), arguments_.sweep, console);
     };

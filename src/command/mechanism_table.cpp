@@ -3,10 +3,14 @@
 #include "input/elasticity.hpp"
 #include "input/input.hpp"
 #include "input/parse.hpp"
+#include "mesh/report.hpp"
 #include "model/rigid_bodies.hpp"
 #include "petsc/collective.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -28,6 +32,40 @@ std::string cells_of(const Model& model, std::size_t body) {
     count += model.body_of_cell()[static_cast<std::size_t>(c)] == static_cast<int>(body) ? 1.0 : 0.0;
   }
   return fmt::format("{:.0f} tetrahedra", sum(model.layout().comm, count));
+}
+
+/// The smallest box around places of all ranks.
+class Extent {
+ public:
+  void add(const double* x) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      bounds_[k] = std::min(bounds_[k], x[k]);
+      bounds_[3 + k] = std::max(bounds_[3 + k], x[k]);
+    }
+  }
+  /// A line of its own; none without places. Collective.
+  void append_to(std::vector<std::string>& lines, MPI_Comm comm) const {
+    std::array<double, 6> all{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      all[k] = minimum(comm, bounds_[k]);
+      all[3 + k] = maximum(comm, bounds_[3 + k]);
+    }
+    if (all[0] <= all[3]) lines.push_back("    extent " + extent_text(all));
+  }
+
+ private:
+  static constexpr double far = std::numeric_limits<double>::max();
+  std::array<double, 6> bounds_{far, far, far, -far, -far, -far};
+};
+
+Extent extent_of_body(const Model& model, std::size_t body) {
+  const NodeLayout& layout = model.layout();
+  Extent extent;
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    if (model.body_of_cell()[static_cast<std::size_t>(c)] != static_cast<int>(body)) continue;
+    for (const PetscInt n : layout.nodes_of_cell(c)) extent.add(&layout.coordinates[3 * static_cast<std::size_t>(n)]);
+  }
+  return extent;
 }
 
 /// Where a point of a tendon or a spring is fixed.
@@ -77,6 +115,7 @@ std::vector<std::string> body_table(const Config& config, const Model& model) {
       text += ", center " + place(center);
     }
     lines.push_back(std::move(text));
+    extent_of_body(model, b).append_to(lines, model.layout().comm);
     if (bodies == nullptr || b >= bodies->children.size()) continue;
     for (const char* key : {"viscosity", "active", "expansion", "mullins"}) {
       if (const InputNode* more = bodies->children[b].find(key)) {
@@ -89,12 +128,14 @@ std::vector<std::string> body_table(const Config& config, const Model& model) {
     const std::string shape = body.surface ? cells_of(model, config.bodies.size() + r) + ", " : "";
     lines.push_back(
         fmt::format("  {}: {}rigid, mass {:.6g} kg, center {}", body.name, shape, body.mass, place(body.center)));
+    if (body.surface) extent_of_body(model, config.bodies.size() + r).append_to(lines, model.layout().comm);
   }
-  return lines;
+  return lines.size() > 1 ? lines : std::vector<std::string>{};
 }
 
 std::vector<std::string> rod_table(const Config& config, const Model& model) {
   std::vector<std::string> lines;
+  const std::vector<double> at_rest(3 * static_cast<std::size_t>(model.layout().num_local_nodes), 0.0);
   const auto& rods = model.rods().rods;
   if (!rods.empty()) lines.emplace_back("rods");
   for (std::size_t r = 0; r < rods.size(); ++r) {
@@ -113,6 +154,9 @@ std::vector<std::string> rod_table(const Config& config, const Model& model) {
       if (!holder.empty()) text += fmt::format(", {} fixed in {}", end == 0 ? "start" : "end", holder);
     }
     lines.push_back(std::move(text));
+    Extent extent;
+    for (const Vector3<double>& x : places_of(rods[r].points, model.layout(), at_rest)) extent.add(x.data());
+    extent.append_to(lines, model.layout().comm);
   }
   return lines;
 }
@@ -132,6 +176,11 @@ std::vector<std::string> shell_table(const Config& config, const Model& model) {
     }
     if (shell.bends) text += ", bends";
     lines.push_back(std::move(text));
+    Extent extent;
+    for (const PetscInt n : on_mesh.facets.nodes) {
+      extent.add(&model.layout().coordinates[3 * static_cast<std::size_t>(n)]);
+    }
+    extent.append_to(lines, model.layout().comm);
   }
   return lines;
 }

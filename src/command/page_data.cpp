@@ -111,7 +111,10 @@ Json json_of(const PackedResult& result, Page& page) {
   Json json{{"bodies", result.body_names},
             {"unseen", result.unseen_bodies},
             {"nodes", result.num_nodes},
-            {"cells", result.num_cells},
+            {"elements",
+             {{"tetrahedra", result.elements.tetrahedra},
+              {"triangles", result.elements.triangles},
+              {"segments", result.elements.segments}}},
             {"order", result.nodes_per_cell == 10 ? 2 : 1},
             {"framesInResult", result.num_frames}};
   json["meshes"] = json["obstacles"] = json["mechanisms"] = json["frames"] = json["fields"] = Json::array();

@@ -3,13 +3,11 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "command/page_data.hpp"
-#include "input/output_fields.hpp"
-#include "input/parse.hpp"
 #include "io/history_reader.hpp"
 #include "io/packed_result.hpp"
 #include "petsc/collective.hpp"
-#include "run/result_fields.hpp"
 #include "run/summary.hpp"
+#include "study/labelled_history.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -60,24 +58,10 @@ Json json_of(const HistoryTable& history, Page& page) {
 }
 
 /// The columns of the history that are taken from fields, with their titles and units.
-Json columns_from_fields(const std::string& input) {
+Json json_of_columns(const std::string& input) {
   Json columns = Json::array();
-  Diagnostics ignored;
-  const InputNode root = parse_yaml(input, "run.yaml", ignored);
-  const InputNode* list = given(root, {"output", "history"});
-  if (list == nullptr) return columns;
-  for (const InputNode& entry : list->children) {
-    const auto text = [&](const char* key) {
-      const InputNode* value = given(entry, {key});
-      return value == nullptr ? std::string() : value->text;
-    };
-    const std::string take = text("take");
-    const auto of = field_component(text("of"));
-    const bool is_field_itself = take == "max" || take == "min" || take == "mean";  // others have a power of the metre
-    columns.push_back({{"column", text("name")},
-                       {"title", fmt::format("{} of {}{}", take, text("of"),
-                                             text("in").empty() ? "" : fmt::format(" in {}", text("in")))},
-                       {"unit", of && is_field_itself ? unit_of_field(of->field.name) : ""}});
+  for (const FieldColumn& column : columns_from_fields(input)) {
+    columns.push_back({{"column", column.name}, {"title", column.title}, {"unit", column.unit}});
   }
   return columns;
 }
@@ -97,7 +81,7 @@ Json json_of_run(const fs::path& file, const ResultReader& result, Page& page) {
   Json json{{"title", result.title()}, {"directory", fs::absolute(file).parent_path().string()}};
   json["history"] = json_of(read_history(directory / "history.csv"), page);
   json["input"] = text_of(directory / "run.yaml");
-  json["taken"] = columns_from_fields(text_of(directory / "run.yaml"));
+  json["taken"] = json_of_columns(text_of(directory / "run.yaml"));
   json["summary"] = summary_json(directory);
   return json;
 }

@@ -86,6 +86,23 @@ std::vector<std::size_t> thinned(std::size_t count, std::size_t most) {
   return kept;
 }
 
+ElementCounts elements_of(const OutputMesh& mesh) {
+  const auto is_one_of = [&](const std::vector<std::string>& names, int body) {
+    return std::ranges::find(names, mesh.body_names[static_cast<std::size_t>(body)]) != names.end();
+  };
+  ElementCounts counts;
+  for (const int body : mesh.bodies) {
+    if (body >= 0 && is_one_of(mesh.rods, body)) {
+      ++counts.segments;
+    } else if (body >= 0 && is_one_of(mesh.shells, body)) {
+      ++counts.triangles;
+    } else if (body < 0 || (!is_one_of(mesh.masses, body) && !is_one_of(mesh.sections, body))) {
+      ++counts.tetrahedra;
+    }
+  }
+  return counts;
+}
+
 struct Scene {
   std::string group;
   std::size_t num_nodes = 0, num_cells = 0;
@@ -149,7 +166,8 @@ class Packer {
     Scene scene;
     scene.group = group;
     scene.num_nodes = packed_.num_nodes = mesh.coordinates.size() / 3;
-    scene.num_cells = packed_.num_cells = mesh.bodies.size();
+    scene.num_cells = mesh.bodies.size();
+    packed_.elements = elements_of(mesh);
     scene.surface = surface_of_bodies(mesh);
     scene.neighbours = EarlierNeighbours(scene.surface.num_vertices(), scene.surface.triangles);
     pack(mesh, scene);

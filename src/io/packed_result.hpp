@@ -2,6 +2,7 @@
 #pragma once
 
 #include "io/packed_companions.hpp"
+#include "mesh/report.hpp"
 
 #include <array>
 #include <cstddef>
@@ -39,8 +40,9 @@ struct PackedField {
 
 struct PackedResult {
   std::vector<std::string> body_names;
-  std::vector<std::string> unseen_bodies;    ///< those of body_names that are not drawn
-  std::size_t num_nodes = 0, num_cells = 0;  ///< of the last mesh
+  std::vector<std::string> unseen_bodies;  ///< those of body_names that are not drawn
+  std::size_t num_nodes = 0;               ///< of the last mesh
+  ElementCounts elements;                  ///< likewise
   int nodes_per_cell = 4;
   std::size_t num_frames = 0;  ///< of the result, before it was thinned
   std::vector<PackedMesh> meshes;

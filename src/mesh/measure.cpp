@@ -1,11 +1,13 @@
 #include "mesh/measure.hpp"
 
+#include "mesh/rod_chain.hpp"
 #include "mesh/tetrahedron.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/plex.hpp"
 #include "petsc/session.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include <petscdmplex.h>
@@ -86,7 +88,49 @@ long long sum_of(MPI_Comm comm, long long x) {
   return sum(comm, static_cast<PetscInt64>(x));
 }
 
-void measure_cells(MPI_Comm comm, DM dm, const std::vector<bool>& owned, MeshReport& report) {
+/// What a cell is, or stands for.
+enum class Meaning : char { tetrahedron, segment, triangle, rigid_body };
+
+Meaning meaning_of(const MeshSource& source, const std::string& volume) {
+  for (const AddedRod& rod : source.added_rods) {
+    if (volume == rod.name) return Meaning::segment;
+    if (volume == name_of_end(rod.name, 0) || volume == name_of_end(rod.name, 1)) return Meaning::rigid_body;
+  }
+  if (std::ranges::find(source.added_shells, volume, &AddedShell::name) != source.added_shells.end()) {
+    return Meaning::triangle;
+  }
+  const bool is_mass =
+      std::ranges::find(source.added_tetrahedra, volume, &AddedTetrahedron::name) != source.added_tetrahedra.end();
+  return is_mass ? Meaning::rigid_body : Meaning::tetrahedron;
+}
+
+PetscInt first_cell(DM dm) {
+  return stratum(dm, 3).begin;
+}
+
+/// What each local cell is; marks the groups of those that are not tetrahedra.
+std::vector<Meaning> meanings_of_cells(const MeshSource& source, const Mesh& mesh, std::vector<GroupReport>& reports) {
+  DM dm = mesh.dm.get();
+  const PointRange cells = stratum(dm, 3);
+  std::vector<Meaning> meanings(static_cast<std::size_t>(cells.end - cells.begin), Meaning::tetrahedron);
+  for (std::size_t g = 0; g < mesh.groups.size() && source.num_added() > 0; ++g) {
+    const Meaning meaning = meaning_of(source, mesh.groups[g].name);
+    if (mesh.groups[g].dimension != 3 || meaning == Meaning::tetrahedron) continue;
+    reports[g].is_added = true;
+    DMLabel label = nullptr;
+    check(DMGetLabel(dm, label_name(mesh.groups[g]).c_str(), &label));
+    for (PetscInt c = cells.begin; c < cells.end; ++c) {
+      PetscInt value = -1;
+      check(DMLabelGetValue(label, c, &value));
+      if (value == 1) meanings[static_cast<std::size_t>(c - cells.begin)] = meaning;
+    }
+  }
+  return meanings;
+}
+
+/// `meanings`: only tetrahedra count, but for the bounds; empty: all cells do.
+void measure_cells(MPI_Comm comm, DM dm, const std::vector<bool>& owned, const std::vector<Meaning>& meanings,
+                   MeshReport& report) {
   constexpr double large = std::numeric_limits<double>::max();
   const Geometry geometry(dm);
   const PointRange cells = stratum(dm, 3);
@@ -96,6 +140,13 @@ void measure_cells(MPI_Comm comm, DM dm, const std::vector<bool>& owned, MeshRep
   for (PetscInt c = cells.begin; c < cells.end; ++c) {
     if (!owned[static_cast<std::size_t>(c)]) continue;
     const auto x = geometry.corners(c);
+    for (const Point& p : x) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        lower[k] = std::min(lower[k], p[k]);
+        upper[k] = std::max(upper[k], p[k]);
+      }
+    }
+    if (!meanings.empty() && meanings[static_cast<std::size_t>(c - cells.begin)] != Meaning::tetrahedron) continue;
     const tetrahedron::Corners corners{x[0], x[1], x[2], x[3]};
     const double q = tetrahedron::mean_ratio(corners);
     ++histogram[static_cast<std::size_t>(std::min(9.0, std::max(0.0, std::floor(10.0 * q))))];
@@ -105,12 +156,6 @@ void measure_cells(MPI_Comm comm, DM dm, const std::vector<bool>& owned, MeshRep
       max_edge2 = std::max(max_edge2, l2);
     }
     volume += tetrahedron::volume(corners);
-    for (const Point& p : corners) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        lower[k] = std::min(lower[k], p[k]);
-        upper[k] = std::max(upper[k], p[k]);
-      }
-    }
   }
   for (std::size_t i = 0; i < histogram.size(); ++i) report.quality_histogram[i] = sum_of(comm, histogram[i]);
   report.min_quality = minimum(comm, min_quality);
@@ -170,7 +215,7 @@ void share_file_facts(MPI_Comm comm, MeshReport& report) {
 
 }  // namespace
 
-void measure(MPI_Comm comm, Mesh& mesh) {
+void measure(MPI_Comm comm, const MeshSource& source, Mesh& mesh) {
   MeshReport& report = mesh.report;
   DM dm = mesh.dm.get();
   const std::vector<bool> owned = owned_points(dm);
@@ -181,8 +226,18 @@ void measure(MPI_Comm comm, Mesh& mesh) {
   report.cells_per_rank.resize(static_cast<std::size_t>(num_ranks(comm)));
   check_mpi(MPI_Allgather(&num_cells, 1, MPI_LONG_LONG, report.cells_per_rank.data(), 1, MPI_LONG_LONG, comm));
   report.geometry_order = mesh.geometry_order;
-  measure_cells(comm, dm, owned, report);
   measure_groups(comm, mesh, owned, report.groups);
+  const std::vector<Meaning> meanings = meanings_of_cells(source, mesh, report.groups);
+  const auto count = [&](Meaning wanted) {
+    long long n = 0;
+    for (PetscInt c = 0; c < static_cast<PetscInt>(meanings.size()); ++c) {
+      n += meanings[static_cast<std::size_t>(c)] == wanted && owned[static_cast<std::size_t>(first_cell(dm) + c)] ? 1
+                                                                                                                  : 0;
+    }
+    return sum_of(comm, n);
+  };
+  report.elements = {count(Meaning::tetrahedron), count(Meaning::segment), count(Meaning::triangle)};
+  measure_cells(comm, dm, owned, report.elements.tetrahedra > 0 ? meanings : std::vector<Meaning>(), report);
   share_file_facts(comm, report);
 }
 

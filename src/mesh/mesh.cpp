@@ -163,7 +163,7 @@ Mesh read_mesh(MPI_Comm comm, const MeshSource& source) {
   mesh.cell_data = shared_cell_data(comm, parts.mesh);
   if (!source.curves.empty()) mesh.curves = shared_curves(comm, parts.curves, mesh.groups);
   distribute(comm, std::move(parts), source.refine, mesh);
-  measure(comm, mesh);
+  measure(comm, source, mesh);
   // A serial mesh was checked as a whole; a mesh read in blocks reports only this sum over the ranks.
   telling_the_user(source, [&] {
     if (is_whole || mesh.report.min_quality > 0.0) return;

@@ -18,7 +18,7 @@ void describe_groups(std::string& text, const std::vector<GroupReport>& groups) 
   for (int dimension = 3; dimension >= 0; --dimension) {
     const auto d = static_cast<std::size_t>(dimension);
     for (const auto& g : groups) {
-      if (g.dimension != dimension) continue;
+      if (g.dimension != dimension || g.is_added) continue;
       text += fmt::format("  physical {:<8} {:<{}} (tag {}): {:>9} {:<6}", kinds[d], g.name, width, g.tag, g.count,
                           members[d]);
       if (dimension > 0) text += fmt::format("  {:.6g} {}", g.measure, units[d]);
@@ -43,23 +43,41 @@ void describe_ranks(std::string& text, const MeshReport& report) {
   const auto& cells = report.cells_per_rank;
   if (cells.size() < 2) return;
   const auto [fewest, most] = std::minmax_element(cells.begin(), cells.end());
-  text += fmt::format("  ranks      {}, with {} to {} tetrahedra; {} facets between them before refinement\n",
-                      cells.size(), *fewest, *most, report.edge_cut);
+  text += fmt::format("  ranks      {}, with {} to {} cells; {} facets between them before refinement\n", cells.size(),
+                      *fewest, *most, report.edge_cut);
 }
 
 }  // namespace
 
+std::string extent_text(const std::array<double, 6>& bounds) {
+  const auto& b = bounds;
+  return fmt::format("[{:.6g}, {:.6g}] x [{:.6g}, {:.6g}] x [{:.6g}, {:.6g}] m", b[0], b[3], b[1], b[4], b[2], b[5]);
+}
+
+std::string in_words(const ElementCounts& counts) {
+  std::string text;
+  const auto add = [&](long long count, const char* what) {
+    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
+  };
+  add(counts.tetrahedra, "tetrahedra");
+  add(counts.triangles, "triangles of shells");
+  add(counts.segments, "segments of rods");
+  return text.empty() ? "rigid bodies alone" : text;
+}
+
 std::string describe(const MeshReport& report) {
-  std::string text =
-      fmt::format("  size       {} tetrahedra{}, {} vertices, {} edges\n", report.num_cells,
-                  report.geometry_order == 2 ? " with curved edges" : "", report.num_vertices, report.num_edges);
-  const auto& b = report.bounds;
-  text += fmt::format("  extent     [{:.6g}, {:.6g}] x [{:.6g}, {:.6g}] x [{:.6g}, {:.6g}] m\n", b[0], b[3], b[1], b[4],
-                      b[2], b[5]);
-  text += fmt::format("  volume     {:.6g} m^3\n", report.volume);
-  text += fmt::format("  edges      {:.3g} to {:.3g} m\n", report.min_edge, report.max_edge);
+  std::string text = fmt::format("  size       {}{}", in_words(report.elements),
+                                 report.geometry_order == 2 ? " with curved edges" : "");
+  const bool is_all_there_is = report.elements.tetrahedra == report.num_cells;
+  if (is_all_there_is) text += fmt::format(", {} vertices, {} edges", report.num_vertices, report.num_edges);
+  text += '\n';
+  if (is_all_there_is) text += fmt::format("  extent     {}\n", extent_text(report.bounds));
+  if (report.elements.tetrahedra > 0) {
+    text += fmt::format("  volume     {:.6g} m^3\n", report.volume);
+    text += fmt::format("  edges      {:.3g} to {:.3g} m\n", report.min_edge, report.max_edge);
+  }
   describe_groups(text, report.groups);
-  describe_quality(text, report);
+  if (report.elements.tetrahedra > 0) describe_quality(text, report);
   describe_ranks(text, report);
   for (const auto& notice : report.notices) text += "  note: " + notice + '\n';
   return text;

@@ -71,10 +71,13 @@ double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const Fac
                                  cavity.name));
   }
   if (*behind <= 0.0) {
-    throw InputError(cavity.where,
-                     fmt::format("{} encloses no cavity: the volume that it faces is {:.3g} m^3; name the walls of a "
-                                 "hollow, or give its `volume`",
-                                 describe(cavity.part), *behind));
+    throw InputError(
+        cavity.where,
+        fmt::format("{} encloses no cavity: the volume that it faces is {:.3g} m^3, because its normals, "
+                    "which point out of the material, point outwards from what it surrounds; name only the "
+                    "inner faces, which surround the hollow, as a physical surface of their own, or give "
+                    "the `volume`",
+                    describe(cavity.part), *behind));
   }
   return *behind;
 }

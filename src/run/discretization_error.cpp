@@ -178,6 +178,23 @@ std::optional<Diagnostic> warning_about(const MeshErrorWatch& watch, const Confi
                   100.0 * error.share, remedy, x, y, z)};
 }
 
+std::optional<Diagnostic> note_about_linear_elements(Model& model, const Config& config, const StepRecord& record) {
+  // A larger share of the energy than this means that a body is far too stiff, by half or more.
+  constexpr double far_too_large = 0.3;
+  if (config.element != ElementOrder::p1 || model.elastic().empty()) return std::nullopt;
+  const MeshError error = DiscretizationError(model).at(record);
+  if (!(error.share > far_too_large)) return std::nullopt;
+  const auto& [x, y, z] = error.place;
+  return Diagnostic{
+      Severity::note, config.mesh.file.where,
+      fmt::format("linear elements are too coarse here: about {:.2g} % of the elastic energy at the end is "
+                  "discretization error, so that the bodies are far too stiff, mostly in bending with "
+                  "fewer than four elements across; choose quadratic elements (`element: P2`), or a finer "
+                  "mesh, first around ({:.4g}, {:.4g}, {:.4g}); `output.fields: [displacement, "
+                  "discretization_error]` shows where else and how it changes",
+                  100.0 * error.share, x, y, z)};
+}
+
 void MeshErrorWatch::keep(Archive& archive) {
   const Archive::Section section(archive, "mesh_error");
   archive.number("energy", worst_.energy);

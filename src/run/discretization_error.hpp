@@ -70,6 +70,10 @@ bool asks_for_mesh_error(const Config& config);
 
 /// A line of the log; `when`: "t = 1 s".
 std::string in_words(const MeshErrorWatch& watch, std::string_view when);
+/// A note about linear elements that are far too coarse at the end of a run that does not ask for the error: one
+/// estimate, which costs about as much as a few evaluations of the forces. Nothing for quadratic elements. Collective.
+std::optional<Diagnostic> note_about_linear_elements(Model& model, const Config& config, const StepRecord& record);
+
 /// A warning of a mesh that is too coarse.
 std::optional<Diagnostic> warning_about(const MeshErrorWatch& watch, const Config& config);
 

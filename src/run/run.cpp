@@ -161,9 +161,9 @@ class Run {
 
   void introduce() {
     const NodeLayout& layout = model_.layout();
-    console_.print(fmt::format("{}: {} tetrahedra, {} unknowns, {} rank{}",
-                               config_.title.empty() ? config_.file : config_.title, layout.num_global_cells,
-                               3 * layout.num_global_nodes, num_ranks(comm_), num_ranks(comm_) == 1 ? "" : "s"));
+    console_.print(fmt::format("{}: {}, {} unknowns, {} rank{}", config_.title.empty() ? config_.file : config_.title,
+                               in_words(model_.mesh_report().elements), 3 * layout.num_global_nodes, num_ranks(comm_),
+                               num_ranks(comm_) == 1 ? "" : "s"));
     for (const auto& notice : model_.mesh_report().notices) console_.print("note: " + notice);
     for (const auto& diagnostic : model_.diagnostics()) console_.report(diagnostic);
   }
@@ -327,7 +327,7 @@ class Run {
                                  worst_.time, worst_.newton_iterations));
     }
     console_.print(energy_line());
-    report_mesh_error();
+    report_mesh_error(outcome);
     if (const auto growth = energy_watch_->growth()) {
       console_.warn(fmt::format(
           "{}: the energy grew without work: at t = {:.6g} s it was {:.3g} times the energy supplied{}, with steps "
@@ -349,8 +349,13 @@ class Run {
     if (fields.has_mesh_error()) mesh_error_watch_.look(fields.mesh_error(record()), progress());
   }
 
-  void report_mesh_error() {
-    if (!recorder_->fields().has_mesh_error()) return;
+  void report_mesh_error(std::string_view outcome) {
+    if (!recorder_->fields().has_mesh_error()) {
+      if (outcome != "done") return;
+      const auto note = note_about_linear_elements(model_, config_, record());
+      if (note) console_.report(*note);
+      return;
+    }
     const std::string when =
         fmt::format("{} = {:.6g}{}", variable(), mesh_error_watch_.time(), is_static() ? "" : " s");
     console_.print(in_words(mesh_error_watch_, when));

@@ -35,10 +35,10 @@ _pliant() {
     'resume') options='-h --help --set --output --quiet' words='' files='*.h5' ;;
     'info') options='-h --help' words='' files='*.h5' ;;
     'report') options='-h --help --output --size --watch' words='' files='*.@(h5|xdmf)' ;;
-    'render') options='-h --help -o --output --field --range --movie --fps --frame --view --size --scale --hide --transparent --title --frames --mesh-edges --outline' words='' files='*.@(h5|xdmf)' ;;
+    'render') options='-h --help -o --output --field --range --colour-map --movie --fps --frame --view --size --scale --cut --mirror --hide --transparent --title --frames --mesh-edges --outline --no-axes' words='' files='*.@(h5|xdmf)' ;;
     'plot') options='-h --help -o --output --of --x' words='' files='*' ;;
     'check') options='-h --help --set --html' words='' files='*.@(yaml|yml)' ;;
-    'converge') options='-h --help --set --output --in --levels --methods --no-check' words='' files='*.@(yaml|yml)' ;;
+    'converge') options='-h --help --set --output --in --levels --methods --result --no-check' words='' files='*.@(yaml|yml)' ;;
     'modes') options='-h --help --set --output --number --near --unloaded' words='' files='*.@(yaml|yml)' ;;
     'sweep') options='-h --help --set --output --result --samples --seed --logarithmic --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
     'compare') options='-h --help --of --output' words='' files='*' ;;
@@ -57,13 +57,14 @@ _pliant() {
   esac
   # What follows an option that takes a value is that.
   case $previous in
-    --set | --output | --size | --watch | -o | --field | --range | --movie | --fps | --frame | --view | --scale | --hide | --transparent | --title | --of | --x | --html | --in | --levels | --methods | --number | --near | --result | --samples | --seed | --logarithmic | --jobs | --ranks | --adjoint | --to | --fields | --kept-steps | --units | --stretch) options='' words='' files='' ;;
+    --set | --output | --size | --watch | -o | --field | --range | --colour-map | --movie | --fps | --frame | --view | --scale | --cut | --mirror | --hide | --transparent | --title | --of | --x | --html | --in | --levels | --methods | --result | --number | --near | --samples | --seed | --logarithmic | --jobs | --ranks | --adjoint | --to | --fields | --kept-steps | --units | --stretch) options='' words='' files='' ;;
   esac
   case "$path $previous" in
     'run --output') files='*' ;;
     'resume --output') files='*' ;;
     'report --output') files='*' ;;
     'render -o' | 'render --output') files='*' ;;
+    'render --colour-map') words='auto viridis cividis inferno greys diverging' ;;
     'render --movie') words='mp4 gif glb' ;;
     'render --view') words='iso front back right left top bottom' ;;
     'plot -o' | 'plot --output') files='*' ;;

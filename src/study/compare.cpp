@@ -70,7 +70,10 @@ class Comparison {
     console_.print(fmt::format("largest differences from {}:", histories_[0].label));
     std::size_t plots = 0;
     for (const std::string& column : columns_) {
-      Plot plot{column + ", differences from " + histories_[0].label, "time [s]", with_unit(column), {}};
+      Plot plot{column + ", differences from " + histories_[0].label,
+                axis_label(histories_),
+                with_unit(histories_, column),
+                {}};
       plot.scale = Scale::linear;
       for (auto other = std::next(histories_.begin()); other != histories_.end(); ++other) {
         const auto found = difference(histories_[0].table, other->table, column);
@@ -80,10 +83,10 @@ class Comparison {
           continue;
         }
         const double relative = relative_to_range(column, found->largest);
-        console_.print(fmt::format("  {}: {:+.6g} in {} at t = {:.6g} s{}", with_unit(column), found->largest,
-                                   other->label, found->at,
+        console_.print(fmt::format("  {}: {:+.6g} in {} at {}{}", with_unit(histories_, column), found->largest,
+                                   other->label, instant_text(histories_[0].abscissa, found->at),
                                    std::isnan(relative) ? "" : fmt::format(", {:.2g} of its range", relative)));
-        table += csv_header({column, std::string(unit_of_column(column)), other->label}) + "," +
+        table += csv_header({column, unit_of_column(histories_, column), other->label}) + "," +
                  csv_row(std::vector<double>{found->largest, found->at, relative}) + "\n";
         plot.series.push_back({other->label, found->time, found->value});
       }
@@ -104,13 +107,13 @@ class Comparison {
     const fs::path path = run;
     if (!fs::exists(path)) throw FileError(fmt::format("there is no result: '{}' does not exist", run));
     const fs::path file = fs::is_directory(path) ? path / "history.csv" : path;
-    HistoryTable table = read_history(file);
+    // "out/a/." and "out/a/" are called a.
+    const fs::path named = fs::is_directory(path) ? fs::weakly_canonical(path) : path.parent_path();
+    histories_.push_back(read_labelled_history(named.filename().empty() ? run : named.filename().string(), file));
+    const HistoryTable& table = histories_.back().table;
     if (table.num_rows() == 0 || table.find("time") == nullptr) {
       throw InputError({run, 0, 0}, "it has no history: give the directory of a result, or its history.csv");
     }
-    // "out/a/." and "out/a/" are called a.
-    const fs::path named = fs::is_directory(path) ? fs::weakly_canonical(path) : path.parent_path();
-    histories_.push_back({named.filename().empty() ? run : named.filename().string(), std::move(table)});
   }
 
   /// Runs of the same name are called by what the user gave, and the same runs by their numbers too.

@@ -7,13 +7,12 @@
 #include "model/mesh_source.hpp"
 #include "model/model.hpp"
 #include "petsc/collective.hpp"
-#include "petsc/copy_of.hpp"
-#include "run/simulation.hpp"
 #include "solver/petsc_method.hpp"
+#include "study/level_results.hpp"
+#include "study/level_run.hpp"
 #include "study/sample.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -25,17 +24,6 @@ namespace {
 
 constexpr double newton_tolerance = 1e-11;  // so that the error of Newton's method is far below that in time
 constexpr double tolerance_factor = 3.0;    // an adaptive run that misses its tolerance by more has failed
-
-/// The end of a run.
-struct Solution {
-  std::string failure;  ///< empty if it was solved
-  Handle<Vec> q, v;
-  std::int64_t steps = 0;
-  long long newton_iterations = 0;
-  double seconds = 0.0;
-  double largest_q = 0.0;  ///< root mean square over time's maximum [m]
-  double largest_v = 0.0;  ///< likewise [m/s]
-};
 
 /// A line of the table.
 struct Row {
@@ -51,39 +39,10 @@ struct Row {
   std::string failure;
 };
 
-/// `model`: of this input.
-Solution solve(const Config& config, Model& model) {
-  const auto start = std::chrono::steady_clock::now();
-  Simulation simulation(config, model);
-  Solution solution;
-  while (solution.failure.empty() && !simulation.finished()) {
-    const StepOutcome outcome = simulation.advance();
-    if (outcome.kind == StepOutcome::Kind::failed) solution.failure = outcome.reason;
-    if (config.time.adaptive && outcome.kind == StepOutcome::Kind::accepted) {
-      solution.largest_q = std::max(solution.largest_q, nodal_mean_square(simulation.record().q));
-      solution.largest_v = std::max(solution.largest_v, nodal_mean_square(simulation.record().v));
-    }
-  }
-  solution.q = copy_of(simulation.record().q);
-  solution.v = copy_of(simulation.record().v);
-  solution.steps = simulation.record().step;
-  solution.newton_iterations = simulation.solver_statistics().newton_iterations;
-  solution.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return solution;
-}
-
-Solution solve(const Config& config, const Mesh& mesh) {
-  Model model(mesh, config);
-  return solve(config, model);
-}
-
 /// Edge of the regular tetrahedron whose volume is the mean of the cells'.
 double mesh_size(const MeshReport& mesh) {
-  return std::cbrt(6.0 * std::sqrt(2.0) * mesh.volume / static_cast<double>(mesh.num_cells));
-}
-
-double order_between(double coarse, double fine, double factor) {
-  return std::log(coarse / fine) / std::log(factor);
+  const long long count = mesh.elements.tetrahedra > 0 ? mesh.elements.tetrahedra : mesh.num_cells;
+  return std::cbrt(6.0 * std::sqrt(2.0) * mesh.volume / static_cast<double>(count));
 }
 
 int theoretical_order(const Config& config) {
@@ -95,10 +54,15 @@ int theoretical_order(const Config& config) {
 class Study {
  public:
   Study(MPI_Comm comm, const StudyOptions& options, std::vector<Config> configs, Console& console)
-      : comm_(comm), options_(options), configs_(std::move(configs)), console_(console) {}
+      : comm_(comm),
+        options_(options),
+        configs_(std::move(configs)),
+        console_(console),
+        results_(options.results,
+                 {size_label(), options.refine == Refine::tolerance ? 10.0 : 2.0, options.refine != Refine::space},
+                 dump(first())) {}
 
   ExitCode operator()() {
-    print_header();
     switch (options_.refine) {
       case Refine::time:
         in_time();
@@ -110,6 +74,7 @@ class Study {
         by_tolerance();
         break;
     }
+    for (const std::string& line : results_.tables()) console_.print(line);
     write_files();
     return verdict();
   }
@@ -123,15 +88,14 @@ class Study {
     const Mesh mesh = read_mesh(comm_, mesh_source(first()));
     const Config finest = reference_with(first(), std::ldexp(first().time.step, 1 - options_.levels) / 4.0);
     Model model(mesh, finest);
-    const Solution reference = solve(finest, model);
-    require(reference);
+    const LevelRun reference = reference_run(finest, model);
     for (const Config& config : configs_) {
       for (int level = 0; level < options_.levels; ++level) {
         Config finer = config;
         finer.time.step = std::ldexp(config.time.step, -level);
         finer.time.min_step = finer.time.step / 1024.0;
         Row row = row_of(finer, level, finer.time.step, mesh_size(model.mesh_report()));
-        compare(model, solve(finer, mesh), reference, row);
+        compare(model, solve(finer, mesh, row), reference, row);
         add(std::move(row), 2.0);
       }
     }
@@ -143,15 +107,15 @@ class Study {
     finest.time.adaptive = first().time.adaptive;
     set_tolerance(finest, options_.levels + 1);
     Model model(mesh, finest);
-    const Solution reference = solve(finest, model);
-    require(reference);
+    const LevelRun reference = reference_run(finest, model);
     for (const Config& config : configs_) {
       for (int level = 0; level < options_.levels; ++level) {
         Config finer = config;
         set_tolerance(finer, level);
-        const Solution solution = solve(finer, mesh);
         const AdaptiveConfig& to = *finer.time.adaptive;
-        Row row = row_of(finer, level, finer.time.end / static_cast<double>(solution.steps), to.relative);
+        Row row = row_of(finer, level, nan, to.relative);
+        const LevelRun solution = solve(finer, mesh, row);
+        row.step = finer.time.end / static_cast<double>(solution.steps);
         compare(model, solution, reference, row);
         row.over_tolerance = std::max(row.error_q / (to.absolute + to.relative * reference.largest_q),
                                       row.error_v / (to.absolute_velocity + to.relative * reference.largest_v));
@@ -169,7 +133,11 @@ class Study {
         Config finer = config;
         finer.mesh.refine += level;
         Model model(comm_, finer);
-        const Solution solution = solve(finer, model);
+        Row next = row_of(finer, level, finer.time.step, mesh_size(model.mesh_report()));
+        const LevelRun solution = solve(finer, model, next);
+        console_.print(fmt::format("level {} is solved: {}, {} Newton iterations, {:.3g} s", level,
+                                   in_words(model.mesh_report().elements), solution.newton_iterations,
+                                   solution.seconds));
         if (sample) {
           const SampledState state = sample->read(model.layout(), solution.q.get(), solution.v.get());
           row.error_q = sample->distance(coarser.u, state.u);
@@ -177,7 +145,7 @@ class Study {
           if (!solution.failure.empty()) row.failure = "the next level failed: " + solution.failure;
           add(std::move(row), 2.0);
         }
-        row = row_of(finer, level, finer.time.step, mesh_size(model.mesh_report()));
+        row = std::move(next);
         row.newton_iterations = solution.newton_iterations;
         row.seconds = solution.seconds;
         row.failure = solution.failure;
@@ -187,8 +155,6 @@ class Study {
       }
     }
   }
-
-  // ---- rows
 
   static Config reference_with(const Config& config, double step) {
     Config reference = config;
@@ -210,9 +176,31 @@ class Study {
     to.absolute_velocity *= factor;
   }
 
-  void require(const Solution& reference) const {
+  // ---- runs
+
+  LevelRun reference_run(const Config& config, Model& model) {
+    LevelRun reference = run_level(config, model, options_.results, "reference", console_);
     if (!reference.failure.empty()) throw SolveError("the reference solution failed: " + reference.failure);
+    console_.print(fmt::format("the reference is solved: {}, {} steps, {} Newton iterations, {:.3g} s",
+                               method_name(config.time.method), reference.steps, reference.newton_iterations,
+                               reference.seconds));
+    results_.set_reference(reference.results);
+    return reference;
   }
+
+  LevelRun solve(const Config& config, Model& model, const Row& row) {
+    const std::string name = fmt::format("{}, level {}", row.method, row.level);
+    LevelRun run = run_level(config, model, options_.results, name, console_);
+    results_.add(row.method, row.level, abscissa(row), run.results);
+    return run;
+  }
+
+  LevelRun solve(const Config& config, const Mesh& mesh, const Row& row) {
+    Model model(mesh, config);
+    return solve(config, model, row);
+  }
+
+  // ---- rows
 
   Row row_of(const Config& config, int level, double step, double size) const {
     Row row;
@@ -223,7 +211,7 @@ class Study {
     return row;
   }
 
-  void compare(const Model& model, const Solution& solution, const Solution& reference, Row& row) const {
+  void compare(const Model& model, const LevelRun& solution, const LevelRun& reference, Row& row) const {
     row.error_q = mean_square_distance(model, solution.q.get(), reference.q.get());
     row.error_v = mean_square_distance(model, solution.v.get(), reference.v.get());
     row.newton_iterations = solution.newton_iterations;
@@ -235,9 +223,10 @@ class Study {
   void add(Row row, double factor) {
     if (!row.failure.empty()) row.error_q = row.error_v = nan;
     if (!rows_.empty() && rows_.back().method == row.method) {
-      row.order_q = order_between(rows_.back().error_q, row.error_q, factor);
-      row.order_v = order_between(rows_.back().error_v, row.error_v, factor);
+      row.order_q = observed_order(rows_.back().error_q, row.error_q, factor);
+      row.order_v = observed_order(rows_.back().error_v, row.error_v, factor);
     }
+    if (rows_.empty()) print_header();
     print(row);
     rows_.push_back(std::move(row));
   }
@@ -262,7 +251,7 @@ class Study {
     console_.print(fmt::format("{:<18} {:>5} {:>10} {:>10} {:>12} {:>12} {:>7} {:>7} {:>8} {:>8}{}", "method", "level",
                                is_static() ? "" : "step [s]",
                                options_.refine == Refine::tolerance ? "relative" : "h [m]", "error u [m]", "v [m/s]",
-                               "order u", "v", "newton", "time [s]",
+                               "order u", "v", "newton", "wall [s]",
                                options_.refine == Refine::tolerance ? "  error/tolerance" : ""));
   }
 
@@ -287,6 +276,7 @@ class Study {
       write_svg(comm_, directory / "work.svg", work_plot());
       files += fmt::format(", {}/work.svg", directory.string());
     }
+    for (const std::string& file : results_.write(comm_, directory, first().title)) files += ", " + file;
     console_.print(files);
   }
 
@@ -323,12 +313,16 @@ class Study {
     return all;
   }
 
+  std::string size_label() const {
+    return options_.refine == Refine::time    ? "step [s]"
+           : options_.refine == Refine::space ? "mesh size [m]"
+                                              : "relative tolerance";
+  }
+
   Plot error_plot() const {
     Plot plot;
     plot.title = first().title.empty() ? "convergence" : first().title;
-    plot.x_label = options_.refine == Refine::time    ? "step [s]"
-                   : options_.refine == Refine::space ? "mesh size [m]"
-                                                      : "relative tolerance";
+    plot.x_label = size_label();
     plot.y_label = "error of the displacement [m]";
     plot.series = series([this](const Row& row) { return abscissa(row); });
     for (const Config& config : configs_) {
@@ -384,6 +378,7 @@ class Study {
   StudyOptions options_;
   std::vector<Config> configs_;
   Console& console_;
+  LevelResults results_;
   std::vector<Row> rows_;
 };
 

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "input/input.hpp"
 #include "run/console.hpp"
+#include "study/run_numbers.hpp"
 
 #include <string>
 #include <vector>
@@ -18,13 +19,14 @@ struct StudyOptions {
   int levels = 4;
   std::vector<std::string> methods;  ///< empty: the input's
   bool checks_orders = true;         ///< too low an order is a failure
+  std::vector<RunNumber> results;    ///< taken from the history of each level
 };
 
 /// Observed orders below the theoretical ones by more than this fail a study.
 inline constexpr double order_shortfall = 0.3;
 
-/// Runs the study and prints its table; writes convergence.csv and convergence.svg (in time also work.svg) into the
-/// output directory.
+/// Runs the study and prints its table, row by row; writes convergence.csv and convergence.svg (in time also work.svg)
+/// into the output directory; with `results` also results.csv, and a plot of the error of each.
 ///
 /// In time and by tolerance, errors are distances from dirk33 with a quarter of the finest step or a hundredth of the
 /// finest tolerance, and with strain rates that keep its order, as root mean squares over the mass (over the nodes,

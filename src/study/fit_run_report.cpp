@@ -3,6 +3,7 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "study/fit_page.hpp"
+#include "study/labelled_history.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -64,6 +65,7 @@ std::string yaml(const FittedRun& fit) {
 
 std::vector<NamedPlot> plots_of(const FittedRun& fit) {
   std::vector<NamedPlot> plots;
+  const std::string instants = axis_label(abscissa_of(fit.input));
   auto next = fit.residuals.begin();
   for (std::size_t n = 0; n < fit.targets.size(); ++n) {
     const FitTarget& target = fit.targets[n];
@@ -72,11 +74,11 @@ std::vector<NamedPlot> plots_of(const FittedRun& fit) {
     for (double& r : residuals) r *= target.scale;
     next = end;
     const std::string name = fmt::format("{}_{}", n + 1, target.config.column);
-    Plot curves{target.name, "time [s]", with_unit(target.config.column, target.unit), {}};
+    Plot curves{target.name, instants, with_unit(target.config.column, target.unit), {}};
     curves.scale = Scale::linear;
     curves.series = {{"measured", target.times, target.values, SeriesStyle::marks, 0},
                      {"fitted", target.times, target.fitted, SeriesStyle::line, 1}};
-    Plot rest{target.name + ": residuals", "time [s]", with_unit("residual", target.unit), {}};
+    Plot rest{target.name + ": residuals", instants, with_unit("residual", target.unit), {}};
     rest.scale = Scale::linear;
     const auto [low, high] = std::ranges::minmax(target.times);
     rest.series = {{"fitted - measured", target.times, residuals, SeriesStyle::marks},

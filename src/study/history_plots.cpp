@@ -8,8 +8,6 @@
 #include <cctype>
 #include <string_view>
 
-#include <fmt/format.h>
-
 namespace pliant {
 namespace {
 
@@ -41,25 +39,21 @@ std::string file_name_of(std::string text) {
   return text.substr(0, longest);
 }
 
-std::string with_unit(const std::string& column) {
-  const auto unit = unit_of_column(column);
-  return unit.empty() ? column : fmt::format("{} [{}]", column, unit);
-}
-
 bool draw_column(std::span<const LabelledHistory> histories, const std::string& column,
                  const std::filesystem::path& directory) {
   Plot plot;
   plot.title = column;
-  plot.x_label = "time [s]";
-  plot.y_label = with_unit(column);
+  plot.x_label = axis_label(histories);
+  plot.y_label = with_unit(histories, column);
   plot.scale = Scale::linear;
   bool varies = false;
-  for (const auto& [label, table] : histories) {
+  for (const LabelledHistory& history : histories) {
+    const HistoryTable& table = history.table;
     const auto *time = table.find("time"), *values = table.find(column);
     if (time == nullptr || values == nullptr || values->empty()) continue;
     const auto [low, high] = std::ranges::minmax(*values);
     varies = varies || high > low;
-    plot.series.push_back({label, *time, *values});
+    plot.series.push_back({history.label, *time, *values});
   }
   if (varies) write_text_atomically(directory / (file_name_of(column) + ".svg"), svg(plot));
   return varies;

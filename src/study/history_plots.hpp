@@ -1,7 +1,7 @@
 /// Histories of several runs in common plots.
 #pragma once
 
-#include "io/history_reader.hpp"
+#include "study/labelled_history.hpp"
 
 #include <filesystem>
 #include <span>
@@ -9,11 +9,6 @@
 #include <vector>
 
 namespace pliant {
-
-struct LabelledHistory {
-  std::string label;
-  HistoryTable table;
-};
 
 /// Names of all columns, in the order in which the histories bring them.
 std::vector<std::string> columns_of(std::span<const LabelledHistory> histories);
@@ -24,11 +19,8 @@ bool is_bookkeeping(const std::string& column);
 /// A name that every file system takes.
 std::string file_name_of(std::string text);
 
-/// "tip_z [m]".
-std::string with_unit(const std::string& column);
-
-/// Writes DIRECTORY/COLUMN.svg, the column of all histories over time, unless it varies in none of them. Returns
-/// whether it did. Not collective.
+/// Writes DIRECTORY/COLUMN.svg, the column of all histories over what they count as time, unless it varies in none of
+/// them. Returns whether it did. Not collective.
 bool draw_column(std::span<const LabelledHistory> histories, const std::string& column,
                  const std::filesystem::path& directory);
 

@@ -66,6 +66,10 @@ double RunNumber::of(const HistoryTable& history) const {
   return y.empty() ? none : function(t, y);
 }
 
+std::string RunNumber::unit(std::span<const LabelledHistory> histories) const {
+  return unit_of_column(histories, is_instant ? "time" : column);
+}
+
 RunNumber parse_run_number(const std::string& text, const std::string& option) {
   std::vector<std::string> names;
   for (const NamedFunction& f : functions) names.emplace_back(f.name);
@@ -89,7 +93,7 @@ RunNumber parse_run_number(const std::string& text, const std::string& option) {
     throw refuse(fmt::format("there is no function '{}'{}", function, did_you_mean(function, names)));
   }
   number.function = same->value;
-  number.unit = function.starts_with("time_of") ? "s" : std::string(unit_of_column(number.column));
+  number.is_instant = function.starts_with("time_of");
   return number;
 }
 

@@ -1,8 +1,9 @@
 /// Numbers that are taken from histories: "max(tip_z)".
 #pragma once
 
-#include "io/history_reader.hpp"
+#include "study/labelled_history.hpp"
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,13 @@ namespace pliant {
 struct RunNumber {
   std::string name;  ///< as the user calls it
   std::string column;
-  std::string unit;  ///< SI; empty if unknown
+  bool is_instant = false;  ///< a time, not a value of the column
   double (*function)(const std::vector<double>& time, const std::vector<double>& values) = nullptr;
 
   /// NaN if the history has no such column, or no number in it.
   double of(const HistoryTable& history) const;
+  /// SI; empty if unknown.
+  std::string unit(std::span<const LabelledHistory> histories) const;
 };
 
 /// Reads "max(tip_z)" or "height=max(tip_z)". Throws InputError that says what is expected; `option` is where the text

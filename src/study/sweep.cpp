@@ -83,7 +83,7 @@ class Sweep {
       warn_of_missing_columns(cases_[index].directory);
     });
     for (std::size_t i = 0; i < cases_.size(); ++i) {
-      histories_.push_back({label_of(keys_, i), read_history(cases_[i].directory / "history.csv")});
+      histories_.push_back(read_labelled_history(label_of(keys_, i), cases_[i].directory / "history.csv"));
     }
     print_table();
     write_text_atomically(directory_ / "sweep.csv", csv());
@@ -253,7 +253,7 @@ class Sweep {
   /// Once, at the first run that has a history: the others will have the same columns.
   void warn_of_missing_columns(const fs::path& run) {
     if (has_looked_for_columns_ || options_.results.empty()) return;
-    const std::vector<LabelledHistory> first{{run.filename().string(), read_history(run / "history.csv")}};
+    const std::vector<LabelledHistory> first{read_labelled_history(run.filename().string(), run / "history.csv")};
     const auto all = columns_of(first);
     if (all.empty()) return;
     has_looked_for_columns_ = true;
@@ -279,7 +279,10 @@ class Sweep {
   void print_table() const {
     std::vector<std::vector<std::string>> rows(1);
     for (const SweptValues& key : keys_) rows[0].push_back(key.name);
-    for (const char* name : {"end", "steps", "time [s]", "newton", "seconds"}) rows[0].emplace_back(name);
+    for (const std::string& name : {std::string("end"), std::string("steps"), axis_label(histories_),
+                                    std::string("newton"), std::string("seconds")}) {
+      rows[0].push_back(name);
+    }
     for (const RunNumber& result : options_.results) rows[0].push_back(result.name);
     for (std::size_t i = 0; i < cases_.size(); ++i) {
       auto row = values_of(i);
@@ -310,7 +313,15 @@ class Sweep {
   std::string csv() const {
     std::vector<std::string> header;
     for (const auto& key : swept_) header.push_back(key.path);
-    for (const char* name : {"directory", "exit_code", "seconds"}) header.emplace_back(name);
+    header.emplace_back("directory");
+    std::vector<std::vector<double>> in_si;  // of the keys whose values have a unit
+    for (std::size_t k = 0; k < keys_.size(); ++k) {
+      auto numbers = keys_[k].unit.empty() ? std::nullopt : si_values(keys_[k]);
+      if (!numbers) continue;
+      header.push_back(fmt::format("{} [{}]", swept_[k].path, keys_[k].unit));
+      in_si.push_back(std::move(*numbers));
+    }
+    for (const char* name : {"exit_code", "seconds"}) header.emplace_back(name);
     const std::vector<std::string> names = columns_of(histories_);
     for (const RunNumber& result : options_.results) header.push_back(result.name);
     header.insert(header.end(), names.begin(), names.end());
@@ -318,7 +329,9 @@ class Sweep {
     for (std::size_t i = 0; i < cases_.size(); ++i) {
       auto row = values_of(i);
       row.push_back(cases_[i].directory.filename().string());
-      std::vector<double> numbers{static_cast<double>(ended_[i].code), ended_[i].seconds};
+      std::vector<double> numbers;
+      for (const auto& of_key : in_si) numbers.push_back(of_key[i]);
+      numbers.insert(numbers.end(), {static_cast<double>(ended_[i].code), ended_[i].seconds});
       for (const RunNumber& result : options_.results) numbers.push_back(result.of(histories_[i].table));
       for (const std::string& name : names) numbers.push_back(last(i, name));
       text += csv_header(row) + "," + csv_row(numbers) + "\n";
@@ -333,7 +346,7 @@ class Sweep {
       if (!is_bookkeeping(name) && draw_column(histories_, name, directory_)) ++count;
     }
     for (const RunNumber& result : options_.results) {
-      SweptResult found{result.name, result.unit, {}};
+      SweptResult found{result.name, result.unit(histories_), {}};
       for (const LabelledHistory& history : histories_) found.values.push_back(result.of(history.table));
       count += draw_result(keys_, found, directory_);
     }

@@ -3,6 +3,7 @@
 #include "base/file.hpp"
 #include "base/limits.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "io/svg_map.hpp"
 #include "io/svg_plot.hpp"
 #include "study/history_plots.hpp"
@@ -11,6 +12,7 @@
 #include <cmath>
 #include <iterator>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -48,7 +50,7 @@ struct Numbers {
   }
 };
 
-/// Nothing if they are not all numbers of the same unit.
+/// As typed, if all have the same unit; otherwise in SI. Nothing if they are not all numbers.
 std::optional<Numbers> numbers_of(const std::vector<SweptValues>& keys, std::size_t key) {
   Numbers numbers{key, {}, ""};
   for (const std::string& text : keys[key].texts) {
@@ -56,7 +58,11 @@ std::optional<Numbers> numbers_of(const std::vector<SweptValues>& keys, std::siz
     const auto number = parse_number(std::string_view(text).substr(0, end));
     std::string unit(trimmed(std::string_view(text).substr(end)));
     if (unit.empty()) unit = keys[key].unit;
-    if (!number || (!numbers.values.empty() && numbers.unit != unit)) return std::nullopt;
+    if (!number || (!numbers.values.empty() && numbers.unit != unit)) {
+      auto in_si = si_values(keys[key]);
+      if (!in_si) return std::nullopt;
+      return Numbers{key, std::move(*in_si), keys[key].unit};
+    }
     numbers.unit = unit;
     numbers.values.push_back(*number);
   }
@@ -123,6 +129,18 @@ std::string label_of(const std::vector<SweptValues>& keys, std::size_t run, cons
     if (std::ranges::find(except, k) == except.end()) parts.push_back(keys[k].name + "=" + keys[k].texts[run]);
   }
   return fmt::format("{}", fmt::join(parts, ","));
+}
+
+std::optional<std::vector<double>> si_values(const SweptValues& values) {
+  std::vector<double> numbers;
+  for (const std::string& text : values.texts) {
+    try {
+      numbers.push_back(parse_quantity(text, values.unit.empty() ? "1" : values.unit));
+    } catch (const UnitError&) {
+      return std::nullopt;
+    }
+  }
+  return numbers;
 }
 
 std::size_t draw_result(const std::vector<SweptValues>& keys, const SweptResult& result,

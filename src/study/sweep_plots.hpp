@@ -19,6 +19,9 @@ struct SweptValues {
   std::optional<Scale> scale = {};  ///< of its axis; by default what suits the values
 };
 
+/// The values as numbers of `unit`, run by run; nothing if one of them is not such a number.
+std::optional<std::vector<double>> si_values(const SweptValues& values);
+
 /// A result of each run; NaN where it has none.
 struct SweptResult {
   std::string name, unit;

@@ -66,6 +66,15 @@ function surroundModel() {
   return {};
 }
 
+/// The number of the field that the page opens with: stresses of bodies, or else forces of shells, or else the first one, which is the
+/// displacement. Rods and shells have no stress.
+function openingField(fields, { tetrahedra, triangles }) {
+  const number = (name) => fields.findIndex((field) => field.name === name);
+  const wanted = [...(tetrahedra ? ["von_mises_stress"] : []), ...(triangles ? ["principal_membrane_force_1"] : [])];
+  const found = wanted.map(number).find((k) => k >= 0);
+  return String(found ?? (fields.length ? 0 : "none"));
+}
+
 async function start() {
   const bodies = await Bodies.load(report.result);
   const second = report.other ? await Second.load(report.other, bodies) : null;
@@ -98,8 +107,7 @@ async function start() {
     place("panel").prepend(...items.list());
     panel.colour.value = bodies.names.length > 1 ? "bodies" : "none";
   } else {
-    const preferred = bodies.fields.findIndex((f) => f.name === "von_mises_stress");
-    panel.colour.value = String(preferred >= 0 ? preferred : bodies.fields.length ? 0 : "none");
+    panel.colour.value = openingField(bodies.fields, report.result.elements);
   }
   await panel.paint();
   player.listen((time) => view.set({ time }));

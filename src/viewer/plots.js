@@ -108,7 +108,7 @@ function* plotsOfBoth(history, others, options) {
 /// `seek(time)` is called when a plot is clicked.
 export class Plots {
   constructor(place, history, { isStatic, taken, others, seek }) {
-    Object.assign(this, { place, seek, made: [], timeLabel: isStatic || "time [s]", paths: [] });
+    Object.assign(this, { place, seek, made: [], timeLabel: { load: "load factor", path: "length of the path" }[isStatic] ?? "time [s]", paths: [] });
     this.sync = uPlot.sync("history");
     const time = history.get("time");
     if (others && time?.length && others.history.get("time")?.length) {

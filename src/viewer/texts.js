@@ -7,12 +7,20 @@ const place = (id) => document.getElementById(id);
 /// Value of a key of run.yaml, whose lines are plain.
 const given = (input, key) => input.match(new RegExp(`^ *${key}: *"?([^"\\n{]+)"?$`, "m"))?.[1];
 
+/// How many elements of each kind; nodes too where all are those of tetrahedra.
+function sizeOf({ elements: { tetrahedra, triangles, segments }, nodes, order }) {
+  const kinds = [[tetrahedra, `tetrahedra (P${order})`], [triangles, "triangles of shells"], [segments, "segments of rods"]];
+  const sizes = kinds.filter(([count]) => count > 0).map(([count, what]) => `${grouped(count)} ${what}`);
+  if (tetrahedra > 0 && sizes.length === 1) sizes.push(`${grouped(nodes)} nodes`);
+  return sizes.length ? sizes : ["rigid bodies alone"];
+}
+
 /// The same for a model that has not run.
 export function showModelFacts({ title, result, model, program, written, directory }) {
   place("title").textContent = document.title = title;
   place("outcome").textContent = "model";
   const warnings = model.diagnostics.filter((d) => d.severity === "warning").length;
-  place("facts").textContent = [`${grouped(result.cells)} tetrahedra (P${result.order})`, `${grouped(result.nodes)} nodes`, "before the start",
+  place("facts").textContent = [...sizeOf(result), "before the start",
     ...(warnings ? [`${warnings} ${warnings === 1 ? "warning" : "warnings"}`] : [])].join("  ·  ");
   place("made").textContent = `Made with ${program.split("\n")[0]} on ${written} from ${directory}`;
 }
@@ -48,7 +56,7 @@ export function addFacts(run, history, isStatic, names) {
 function factsOf({ result, summary, input, history: { steps } }, history, isStatic) {
   const frames = result.frames.length < result.framesInResult
     ? `${grouped(result.frames.length)} of ${grouped(result.framesInResult)} frames` : `${grouped(result.frames.length)} frames`;
-  const facts = [`${grouped(result.cells)} tetrahedra (P${result.order})`, `${grouped(result.nodes)} nodes`];
+  const facts = sizeOf(result);
   const method = given(input, "method");
   if (method) facts.push(method);
   if (steps > 0) facts.push(`${grouped(steps)} steps`);

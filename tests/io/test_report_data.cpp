@@ -240,6 +240,10 @@ TEST(HistoryTable, UnitsOfItsColumns) {
                                                                                    {"floor_jx", "N s"},
                                                                                    {"hub_tz", "N m"},
                                                                                    {"chamber_pressure", "Pa"},
+                                                                                   {"flexor_tension", "N"},
+                                                                                   {"wire_length", "m"},
+                                                                                   {"knuckle_angle", "rad"},
+                                                                                   {"contact_gap_min", "m"},
                                                                                    {"chamber_volume", "m^3"}}) {
     EXPECT_EQ(unit_of_column(name), unit) << name;
   }

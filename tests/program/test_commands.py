@@ -37,6 +37,7 @@ class Commands(ProgramTest):
                 # Bodies, surfaces, quality, unknowns, time scales, memory.
                 self.assertIn("192 tetrahedra", text)
                 self.assertRegex(text, r"volume +0\.04 m\^3")
+                self.assertRegex(text, r"body: 192 tetrahedra, .*\n    extent \[0, 1\] x \[0, 0.2\] x \[0, 0.2\] m\n")
                 self.assertRegex(text, r"surface +left +\(tag 1\): +8 facets +0\.04 m\^2")
                 self.assertRegex(text, r"body: .*neo-hookean.*1000 kg/m\^3")
                 self.assertRegex(text, r"mass +40 kg")

@@ -81,6 +81,37 @@ class Compare(ProgramTest):
         for part in ("density", "method=bdf2", "method=backward-euler"):
             self.assertIn(part, text)
 
+    def test_static_runs_have_load_factors(self):
+        static = self.write("static.yaml", f"""mesh: {{file: {ROOT}/meshes/unit_cube.msh}}
+bodies: [{{elasticity: {{model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.3}}}}]
+constraints: [{{where: "z < 1e-9", displacement: [0, 0, 0]}}]
+loads: [{{where: "z > 1 - 1e-9", traction: [0, 0, 10 kPa]}}]
+time: {{method: static, load_steps: 2}}
+probes: [{{name: tip, point: [1, 1, 1]}}]
+output: {{history: [{{name: peak, of: von_mises_stress, take: max}}]}}
+""")
+        modulus = "bodies.0.elasticity.youngs_modulus"
+        done = self.pliant("sweep", static, "--output", "out", "--set", modulus + "=[500 kPa, 1 MPa, 2e6]", "--result", "last(tip_uz)",
+                           "--result", "when=time_of_max(tip_uz)")
+        self.assertRegex(done.stdout, r"(?m)^youngs_modulus .* load factor ")
+        self.assertNotIn("time [s]", done.stdout)
+        for file, label in (("tip_uz", "tip_uz [m]"), ("peak", "peak [Pa]")):
+            text = texts_of(self.directory / f"out/{file}.svg")
+            self.assertIn("load factor", text)
+            self.assertIn(label, text)
+            self.assertNotIn("time [s]", text)
+        # Values of several units are drawn, and written, in SI; as typed too.
+        self.assertIn("youngs_modulus [Pa]", texts_of(self.directory / "out/last_tip_uz_.svg"))
+        self.assertNotIn("when [s]", texts_of(self.directory / "out/when.svg"))
+        with open(self.directory / "out/sweep.csv", encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([row[modulus] for row in rows], ["500 kPa", "1 MPa", "2e6"])
+        self.assertEqual([float(row[modulus + " [Pa]"]) for row in rows], [5e5, 1e6, 2e6])
+        self.assertEqual([float(row["when"]) for row in rows], [1.0] * 3)
+        done = self.compare(f"out/{rows[0]['directory']}", f"out/{rows[1]['directory']}", "--of", "peak,tip_uz", "--output", "both")
+        self.assertRegex(done.stdout, r"peak \[Pa\]: .* in 02_\S+ at load factor \S+, ")
+        self.assertIn("load factor", texts_of(self.directory / "both/tip_uz_difference.svg"))
+
     def test_mistakes_in_results(self):
         for result, expected in (("tip_z", "no parentheses"), ("most(tip_z)", "there is no function 'most'"), ("=max(tip_z)", "a name is missing")):
             with self.subTest(result):

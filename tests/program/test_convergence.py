@@ -2,6 +2,7 @@
 """Convergence studies: the shipped ones keep the orders of theory, a shortfall is an exit code, mistakes are told."""
 import csv
 import json
+import re
 import unittest
 import xml.etree.ElementTree
 
@@ -102,6 +103,37 @@ class Convergence(ProgramTest):
         np.testing.assert_allclose(table["size"][1:], table["size"][:-1] / 2, rtol=1e-12)
         self.assertAlmostEqual(table["order_displacement"][-1], 2, delta=SHORTFALL)
         self.check_pictures("convergence.svg")
+
+    def test_results_of_levels(self):
+        """Numbers of histories and their errors; in space the distance from the next level, in time that from the reference."""
+        _, table, done = self.study("stretched_cube", "space", 2, "--no-check", "--result", "energy=last(elastic_energy)")
+        rows = self.results()
+        self.assertEqual([row["level"] for row in rows], ["0", "1", "2"])
+        values, errors = ([float(row[name]) for row in rows] for name in ("value", "error"))
+        np.testing.assert_allclose(errors[:2], np.abs(np.diff(values)), rtol=1e-12)
+        self.assertTrue(np.isnan(errors[2]))
+        self.assertAlmostEqual(float(rows[1]["order"]), np.log2(errors[0] / errors[1]), places=12)
+        np.testing.assert_allclose([float(row["size"]) for row in rows[:2]], table["size"], rtol=1e-12)
+        # A line for each level as it is solved, the last of which is the one more than asked for.
+        self.assertEqual(re.findall(r"(?m)^level (\d) is solved: (\d+) tetrahedra,", done.stdout), [("0", "48"), ("1", "384"), ("2", "3072")])
+        self.assertRegex(done.stdout, r"(?m)^energy \[J\]:$")
+        for row in rows:
+            self.assertRegex(done.stdout, rf"(?m)^static +{row['level']} +{float(row['value']):.8g} ")
+        refined = [self.run_input(INPUTS / "stretched_cube.yaml", f"mesh.refine={level}")["elastic_energy"][-1] for level in (0, 1)]
+        np.testing.assert_allclose(values[:2], refined, rtol=1e-6)  # Newton's tolerances differ
+        _, _, done = self.study("spinning_block", "time", 3, "--methods", "bdf2", "--result", "last(elastic_energy)")
+        rows = self.results()
+        (reference,) = re.findall(r"(?m)^the reference: (\S+)$", done.stdout)
+        for row in rows:
+            self.assertAlmostEqual(float(row["error"]), abs(float(row["value"]) - float(reference)), delta=1e-7 * float(reference))
+        self.check_pictures("error_last_elastic_energy_.svg")
+        done = self.call("converge", INPUTS / "stretched_cube.yaml", "--in", "space", "--result", "last(elastic_enrgy)")
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+        self.assertIn("the history has no column 'elastic_enrgy' (did you mean 'elastic_energy'?)", done.stderr)
+
+    def results(self):
+        with open(self.directory / "study/results.csv", encoding="utf-8", newline="") as file:
+            return list(csv.DictReader(file))
 
     # A linear body, E = 1 MPa and nu = 0.3, whose whole surface is given. Surfaces of the same kind and smoothness, on the same
     # meshes; but a gradient of a harmonic function is a solution as it stands, smooth up to the edges. The other surface is that

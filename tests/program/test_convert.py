@@ -318,6 +318,8 @@ class Convert(ProgramTest):
         _, said = self.convert("cubes.inp", model)
         text = (self.directory / "cubes.yaml").read_text()
         lines = model.split("\n")
+        self.assertIn("*CONTACT PAIR, INTERACTION=i: contact is not converted; write it in the input, with law: barrier or penalty: "
+                      "`contact: {law: barrier, pairs: [{surface: a, with: b}]}`", said)
         for card in ("*PLASTIC", "*CONTACT PAIR, INTERACTION=i", "*DLOAD of the type CENTRIF", "*NODE PRINT", "*CONTROLS"):
             line = 1 + next(k for k, content in enumerate(lines) if content.startswith("cube1, CENTRIF" if "CENTRIF" in card else card))
             self.assertIn(f"warning: cubes.inp:{line}: {card}", said)
@@ -328,6 +330,22 @@ class Convert(ProgramTest):
         self.assertIn("<Contact>", said)
         self.assertIn("the input is not complete", said)
         self.assertIn("missing key 'elasticity'", self.pliant("check", "cubes.yaml", status=2).stderr)
+
+    def test_contact_that_is_left_out_can_be_written(self):
+        """The section that the message gives, with the names of both programs' surfaces, is one of an input."""
+        rubber = "*ELASTIC\n1e6, 0.3\n"
+        contact = "*SURFACE INTERACTION, NAME=dry\n*FRICTION\n0.25,\n*CONTACT PAIR, INTERACTION=dry\nEND1, end2\nend1\n"
+        pair = '<SurfacePair name="both"><primary>end1</primary><secondary>end2</secondary></SurfacePair></Mesh>'
+        febio = febio_cubes([("neo-Hookean", "<E>1e6</E><v>0.3</v>")] * 2, "").replace("</Mesh>", pair)
+        febio = febio.replace("<Loads>", '<Contact><contact type="sliding-elastic" surface_pair="both"><fric_coeff>0.25</fric_coeff></contact></Contact><Loads>')
+        for name, model, pairs in (("two.inp", abaqus_cubes([rubber] * 2, pulled(2), contact), "[{surface: end1, with: end2, friction: 0.25}, {surface: end1, friction: 0.25}]"),
+                                   ("two.feb", febio, "[{surface: end1, with: end2, friction: 0.25}]")):
+            _, said = self.convert(name, model)
+            section = re.search(r"`(contact: .*)`", said)[1]
+            self.assertEqual(section, f"contact: {{law: barrier, pairs: {pairs}}}")
+            with open(self.directory / "two.yaml", "a", encoding="utf-8") as file:
+                file.write(section + "\n")
+            self.assertIn("end1 with end2", self.pliant("check", "two.yaml").stdout)
 
     def test_errors(self):
         def fails(text, words, name="cube.inp", status=2):

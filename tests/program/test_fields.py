@@ -239,6 +239,14 @@ output: {fields: [displacement, discretization_error], history: [{name: sag, of:
         self.assertAlmostEqual(-history["sag"][-1] / deflection, 1, delta=0.03)
         self.assertLess(error["share"], 0.03)
         self.assertNotIn("too coarse", text)
+        # Who does not ask for the estimate has a note about linear elements all the same, at the end, and about no others.
+        unasked = ("output.fields=[displacement]", "output.history=[]")
+        for element, n, has_note in (("P1", (10, 1, 1), True), ("P2", (10, 1, 1), False), ("P1", (32, 4, 4), False)):
+            write_box(self.directory / "beam.msh", n, (10, 1, 1))
+            self.write("beam.yaml", self.BEAM % element)
+            text = self.pliant("run", "beam.yaml", *[word for setting in unasked for word in ("--set", setting)]).stdout
+            self.assertEqual("note: beam.yaml:1:14: linear elements are too coarse here: about 6" in text, has_note, text)
+            self.assertEqual("element: P2" in text, has_note)
 
     def test_the_estimate_is_as_large_as_the_error(self):
         """The energy of the error is what the energy of the same load lacks."""

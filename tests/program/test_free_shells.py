@@ -7,6 +7,7 @@ import unittest
 import numpy as np
 
 from program import ROOT, ProgramTest, read_history, swept
+from report_file import ReportFile
 from shell_meshes import write_ball, write_patch
 
 sys.path.insert(0, str(ROOT / "src/python"))
@@ -300,8 +301,15 @@ probes: [{{name: top, point: [2, 2, 2]}}]
         volumes = np.linalg.det(corners[:, 1:] - corners[:, :1]) / 6
         self.assertGreater(volumes.min(), 0)
         self.assertLess(volumes.sum(), 0.4 * 20e-3)
-        self.assertIn("flag: 36 facets, 0.4 m^2", self.pliant("check", "in.yaml").stdout)
+        # What stands for the triangles is nowhere counted or measured.
+        text = self.pliant("check", "in.yaml").stdout
+        self.assertRegex(text, r"(?m)^  size       36 triangles of shells$")
+        self.assertRegex(text, r"(?m)^  flag: 36 facets, 0\.4 m\^2, .*\n    extent \[0, 1\] x \[0, 0\.4\] x \[0, 0\] m$")
+        for words in ("tetrahedra", "volume", "quality", "bodies"):
+            self.assertNotIn(words, text)
         self.pliant("report", "out")
+        report = ReportFile(self.directory / "out/report.html")
+        self.assertEqual(report.result["elements"], {"tetrahedra": 0, "triangles": 36, "segments": 0})
 
     def test_gravity_by_name(self):
         self.patch((2, 2), lambda s, t: (s, 0.4 * t, 0.0))

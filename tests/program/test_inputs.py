@@ -25,6 +25,8 @@ SMALL = {
     "released_beam.yaml": ["mesh.size=0.2", "time.end=0.1"],
     "roof.yaml": [],
     "soft_flail.yaml": ["time.end=0.06"],
+    "pneunet.yaml": ["element=P1", "mesh.size=12 mm", "time.end=0.1"],
+    "pneunet_grip.yaml": ["element=P1", "mesh.size=12 mm", "time.end=0.2"],
     "pneumatic_actuator.yaml": ["time.end=0.02", "time.events=[]"],
     "relaxation.yaml": ["time.step=20 ms", "time.end=1"],
     "damper.yaml": ["mesh.size=6 mm", "time.end=0.01"],

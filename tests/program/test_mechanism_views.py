@@ -240,7 +240,7 @@ class MechanismViews(ProgramTest):
         pictures = []
         for more in ([], ["--hide", "flexor"], ["--field", "tension"]):
             file = self.directory / "picture.png"
-            self.pliant("render", "out", "--field", "none", "--size", "480x300", "-o", file, *more)
+            self.pliant("render", "out", "--field", "none", "--size", "480x300", "--no-axes", "-o", file, *more)
             pictures.append(np.asarray(Image.open(file).convert("RGB")).astype(int))
         red = [np.mean((p[..., 0] > p[..., 1] + 80) & (p[..., 0] > p[..., 2] + 50) & (p[..., 1] < 110)) for p in pictures]
         self.assertGreater(red[0], 5e-4)

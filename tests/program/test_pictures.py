@@ -62,6 +62,8 @@ class Pictures(ProgramTest):
         self.fails(4, "^pliant plot: .*missing/a.png: No such file", "plot", "out", "--output", "missing/a.png")
         self.fails(2, "start it without mpirun", "plot", "out", ranks=2)
         self.fails(2, "--of kinetic_energi: the history has no such column; did you mean 'kinetic_energy'", "plot", "out", "--of", "kinetic_energi")
+        for of in ("", "kinetic_energy,"):
+            self.fails(2, "^pliant plot: --of '.*': a name is missing", "plot", "out", "--of", of)
         self.fails(2, "--x needs the columns", "plot", "out", "--x", "time")
 
     def test_what_is_missing(self):

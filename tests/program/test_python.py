@@ -182,6 +182,20 @@ class Package(ProgramTest):
             self.assertIn(run.directory, repr(gone))
             Reader(gone._repr_html_())
 
+    def test_notebooks_of_static_runs(self):
+        """Load factors are no times, and segments of rods and triangles of shells no tetrahedra."""
+        run = pliant.run(INPUT.replace("time: {method: bdf2, step: 10 ms, end: 30 ms}", "time: {method: static, load_steps: 2}"))
+        self.assertRegex(repr(run), r"done, 2 steps to load factor 1 in \S+ s\)$")
+        self.assertRegex(repr(run.history), r"3 rows, load factor 0 to 1, ")
+        self.assertRegex(repr(run.result), r"load factor 0 to 1, 24 tetrahedra\)$")
+        shown = Reader(run.history._repr_html_())
+        self.assertEqual(shown.texts[shown.texts.index("time") + 1], "0")  # there is no unit
+        cells = np.arange(16).reshape(4, 4)
+        mesh = pliant.Mesh(np.zeros((16, 3)), cells, np.array([0, 1, 1, 2]), ["block", "wire", "sail"], rods=["wire"], shells=["sail"])
+        self.assertEqual(pliant.notebook.elements_of(mesh, "linear"), "1 linear tetrahedron, 1 triangle of shells, 2 segments of rods")
+        mesh = pliant.Mesh(np.zeros((16, 3)), cells, np.zeros(4, int), ["bob"], masses=["bob"])
+        self.assertEqual(pliant.notebook.elements_of(mesh), "rigid bodies alone")
+
     def test_page_of_a_result(self):
         result = pliant.run(INPUT).result
         printed = io.StringIO()

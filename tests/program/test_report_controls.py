@@ -305,6 +305,43 @@ class ReportControls(ProgramTest):
         self.assertGreater(np.mean(np.abs(pictures[0] - pictures[1]).max(axis=2) > 60), 0.01, "the bar has moved")
         self.assertGreater(np.ptp(pictures[1][..., 0]), 120)
 
+    def test_what_pages_of_shells_open_with(self):
+        """A field that shells have, and what they consist of."""
+        (self.directory / "flag.msh").write_text("""$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+1
+2 1 "flag"
+$EndPhysicalNames
+$Nodes
+4
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+$EndNodes
+$Elements
+2
+1 2 2 1 1 1 2 3
+2 2 2 1 1 1 3 4
+$EndElements
+""", encoding="ascii")
+        text = """mesh: {file: flag.msh}
+shells: [{surface: flag, name: flag, free: true, thickness: 1 mm, density: 1000, bending: true,
+          elasticity: {model: saint-venant-kirchhoff, youngs_modulus: 1 MPa, poissons_ratio: 0.3}}]
+constraints: [{where: "x < 1e-9", displacement: [0, 0, 0]}]
+loads: [{gravity: [0, 0, -1]}]
+time: {method: bdf2, step: 10 ms, end: 0.02}
+output: {fields: [displacement, von_mises_stress, FIELD]}
+"""
+        for field, opens in (("velocity", "displacement"), ("principal_membrane_force", "principal_membrane_force_1")):
+            self.run_input(self.write("flag.yaml", text.replace("FIELD", field).replace("von_mises_stress, ", "")), output="flag")
+            self.assertEqual(self.call("report", self.directory / "flag").returncode, 0)
+            browser = self.open(page=self.directory / "flag/report.html")
+            self.assertEqual(browser.evaluate("pliant.bodies.fields[pliant.panel.colour.value].name"), opens)
+            self.assertTrue(browser.evaluate("document.getElementById('facts').textContent").startswith("2 triangles of shells  ·  bdf2  ·  "))
+
     def test_loads_have_no_seconds(self):
         write_box(self.directory / "bar.msh", (4, 1, 1), (1, 0.2, 0.2))
         static = INPUT.replace("method: bdf2, step: 10 ms, end: 0.1", "method: static, load_steps: 4").replace("velocity, ", "")
@@ -313,6 +350,7 @@ class ReportControls(ProgramTest):
         browser = self.open(page=self.directory / "bent/report.html")
         browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(self.directory))
         self.assertEqual(browser.evaluate("document.querySelector('.clock').textContent"), "load 1.00")
+        self.assertEqual(set(browser.evaluate("[...document.querySelectorAll('#plots .u-series:first-child .u-label')].map(e => e.textContent)")), {"load factor"})
         browser.press("ArrowLeft")
         browser.click("#save-picture")
         end = time.monotonic() + 30

@@ -19,8 +19,10 @@ sys.dont_write_bytecode = True
 import synthetic  # noqa: E402
 from package import Result, Surface  # noqa: E402
 from pliant import Mesh, von_mises  # noqa: E402
+from pliant.pictures.cut import CutSurface, Plane, mirror, plane  # noqa: E402
+from pliant.pictures.rods import RodShapes, prisms  # noqa: E402
 
-SMALL = ["--size", "320x240"]
+SMALL = ["--size", "320x240", "--no-axes"]  # which tests of colours would take for bodies
 
 
 def run(tool, *arguments):
@@ -139,6 +141,43 @@ class Pictures(WithResult):
                     for arguments in ([], ["--hide", "pyramid"], ["--transparent", "pyramid"], ["--hide", "floor", "--hide", "pyramid"])]
         self.assertEqual(len(set(pictures)), 4)
 
+    def test_cuts_mirrors_maps_and_scale(self):
+        """Seen from the front the bar fills a rectangle, from which a scale is read; cut at a quarter of its length by a plane that the
+        viewer looks along, half of it is left, and with its image at its end it is twice as long."""
+        def picture(*arguments):
+            return np.asarray(Image.open(self.draw("--field=none", "--frame", 0, "--view=front", "--size=640x480", *arguments)).convert("RGB")).astype(int)
+
+        def columns(image):
+            scene = image[60:400]
+            return np.nonzero((np.abs(scene - scene[-1, 0]).max(axis=2) > 12).sum(axis=0) > 10)[0]
+
+        whole = columns(picture("--no-axes"))
+        length = whole[-1] - whole[0]
+        # The scale bar is a line of one colour, at the bottom.
+        bar = picture()[400:, 60:]
+        is_ink = np.abs(bar - [45, 49, 57]).max(axis=2) < 30
+        bar_length = is_ink.sum(axis=1).max()
+        # 0.1 m in the depth of the bar's middle; its front is 0.1 m nearer to the viewer.
+        self.assertAlmostEqual(bar_length / length, 0.1 / synthetic.LENGTH, delta=0.1 * 0.1)
+        left = columns(picture("--no-axes", "--cut", "-1,0,0=-0.25", "--view=1,-1e-6,0"))
+        self.assertLess(len(left), length)
+        # The camera fits what is drawn: of the mirrored bar, the height is half.
+        def height(image):
+            rows = np.nonzero((np.abs(image[60:400] - image[-1, 0]).max(axis=2) > 12).any(axis=1))[0]
+            return rows[-1] - rows[0]
+
+        self.assertAlmostEqual(height(picture("--no-axes", "--mirror", "x")) / height(picture("--no-axes")), 0.5, delta=0.05)
+        # Values keep or change their sign in an image; colours of all maps differ.
+        colours = {name: picture("--no-axes", "--field=displacement_x", "--frame=1", "--colour-map", name) for name in
+                   ("viridis", "cividis", "inferno", "greys", "diverging")}
+        self.assertEqual(len({image.tobytes() for image in colours.values()}), 5)
+        r, g, b = np.moveaxis(picture("--no-axes", "--field=displacement_x", "--frame=1", "--mirror=x", "--colour-map=diverging")[60:400, :480], 2, 0)
+        for is_one in (r > b + 60, b > r + 60):
+            self.assertGreater(is_one.sum(), 500, "red on one side, blue on the other")
+        for arguments, words in ((("--cut", "w"), "invalid plane"), (("--mirror", "1,1,0"), "invalid plane"), (("--cut", "x=2", "--view=left"), "nothing of a body is left"),
+                                 (("--colour-map", "jet"), "invalid choice"), (("--cut", "y", "-o", "a.glb"), "has no effect on a .glb")):
+            self.fails(words, self.directory, *arguments)
+
     def test_values_that_are_not_finite_have_no_part_in_the_range(self):
         with h5py.File(self.path("result.h5"), "r+") as h5:
             for frame in h5["frames"].values():
@@ -252,6 +291,49 @@ class SurfaceOfBlock(WithResult):
         self.assertAlmostEqual(area, 4 * half * synthetic.WIDTH + 2 * synthetic.WIDTH**2, delta=1e-12)
         # Values of cells are averaged over its own cells, not over those of its neighbour.
         np.testing.assert_allclose(surface.of_cells(mesh.body[:, None].astype(float)), 1)
+
+    def test_cut_surfaces_are_closed(self):
+        """The divergence theorem gives the volume below a plane, of each body and of both, and a linear field is exact everywhere."""
+        for order in (1, 2):
+            directory = self.path(f"order{order}")
+            synthetic.write_result(directory, num_frames=1, order=order, cubes=(6, 2, 2))
+            mesh = Result(directory)[0].mesh
+            for text, volume in (("x=0.3", 0.3), ("-1,0,0=-0.3", 0.7), ("z", 0.5), ("1,0,1=0.25", 0.25 * np.sqrt(2)), ("x=-1", 0), ("x=2", 1)):
+                cut = plane(text)
+                cut = Plane(cut.normal, 0.0 if cut.offset is None else cut.offset)
+                cells = np.arange(len(mesh.cells))
+                if volume == 0:
+                    self.assertEqual(len(CutSurface(Surface(mesh), mesh, cells, cut).triangles), 0)
+                    continue
+                surface = CutSurface(Surface(mesh), mesh, cells, cut)
+                x = surface.of_nodes(mesh.coordinates)
+                a, b, c = (x[surface.triangles[:, i]] for i in range(3))
+                found = np.einsum("ij,ij->", np.cross(b - a, c - a), a + b + c) / 18
+                self.assertAlmostEqual(found, volume * synthetic.LENGTH * synthetic.WIDTH * synthetic.HEIGHT, places=12, msg=text)
+                self.assertLess(cut.heights(x).max(), 1e-12)
+                linear = lambda x: x @ [[1.0], [2], [3]] + 4  # noqa: E731
+                np.testing.assert_allclose(surface.of_nodes(linear(mesh.coordinates)), linear(x), atol=1e-12)
+                np.testing.assert_allclose(surface.of_cells(np.full((len(mesh.cells), 1), 7.0)), 7.0)
+                at_cut = np.abs(cut.heights(x[surface.triangles])).max(axis=1) < 1e-12
+                self.assertTrue(np.isin(mesh.body[surface.cell_of_face[surface.face_of_triangle[at_cut]]], [0, 1]).all())
+        self.assertEqual((mirror("y=0.5").offset, mirror("y").offset), (0.5, 0.0))
+        for text in ("", "x=", "0,0,0", "x=1=2", "nan,0,1", "x=nan"):
+            with self.assertRaises(ValueError):
+                plane(text)
+
+    def test_rods_are_as_thick_as_they_are(self):
+        """A round rod and a rectangular one, whose corners are in any order."""
+        x = np.array([[0.0, 0, 0], [0.3, 0, 0], [0.15, 0.02, 0], [0.15, 0, 0.02], [0, 1, 0], [0, 1, 0.2], [0.03, 1, 0.1], [0, 1.01, 0.1]])
+        for order in ([0, 1, 2, 3], [2, 0, 3, 1], [3, 2, 1, 0]):
+            mesh = Mesh(x, np.array([order, [4 + k for k in order]]), np.array([0, 1]), ["wire", "band"], rods=["wire", "band"], rectangular_rods=["band"])
+            shapes = RodShapes(mesh)
+            points, triangles, segment = prisms(shapes.at(x), shapes.is_rectangular, 1e-6)
+            a, b, c = (points[triangles[:, k]] for k in range(3))
+            volumes = np.bincount(segment, np.einsum("ij,ij->i", np.cross(b - a, c - a), a) / 6)
+            polygon = 8 * np.sin(np.pi / 8)  # area of the regular polygon of 16 sides in a unit circle
+            np.testing.assert_allclose(volumes, [polygon * 0.02**2 * 0.3, 4 * 0.03 * 0.01 * 0.2], rtol=1e-12)
+            thin, _, _ = prisms(shapes.at(x), shapes.is_rectangular, 0.1)
+            np.testing.assert_allclose(np.linalg.norm(thin[:32, 1:], axis=1), 0.1, rtol=1e-12)  # at least so thick
 
     def test_quadratic_fields_are_shown_exactly(self):
         synthetic.write_result(self.directory, num_frames=1, order=2)

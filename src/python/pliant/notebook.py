@@ -13,7 +13,7 @@ from .error import PliantError
 
 if TYPE_CHECKING:
     from .history import History
-    from .result import Frame, Result
+    from .result import Frame, Mesh, Result
     from .runs import Run
 
 ENERGIES = ("kinetic_energy", "elastic_energy", "load_potential", "dissipated_energy", "load_work")
@@ -30,24 +30,49 @@ Rows = Iterable["tuple[str, str]"]
 # -------------------------------------------------------------------------------------------------------- in one line
 
 
-def of_times(times: np.ndarray) -> str:
-    """Without a unit: of a static run they are load factors."""
-    return f"t = {times[0]:g} to {times[-1]:g}" if len(times) > 1 else f"t = {times[0]:g}"
+def instants(file: str) -> str:
+    """What the times in a history.csv or result.h5 are called: "t", of a static run "load factor" or "length of the path"."""
+    try:
+        from .pictures.analysis import counted  # which needs PyYAML
+
+        return {"load": "load factor", "path": "length of the path"}.get(counted(os.path.dirname(file)), "t")
+    except ImportError:
+        return "t"
+
+
+def at_time(time: float, file: str) -> str:
+    return f"t = {time:g}" if (name := instants(file)) == "t" else f"{name} {time:g}"
+
+
+def of_times(times: np.ndarray, file: str) -> str:
+    """Without a unit."""
+    return f"{at_time(times[0], file)} to {times[-1]:g}" if len(times) > 1 else at_time(times[0], file)
 
 
 def plural(count: int, noun: str) -> str:
     return f"{count:,} {noun}{'' if count == 1 else 's'}"
 
 
+def elements_of(mesh: "Mesh", order: str = "") -> str:
+    """How many there are of each kind; `order`: of the tetrahedra. Cells stand for segments of rods, triangles of shells and rigid bodies."""
+    of_body = np.bincount(mesh.body, minlength=len(mesh.body_names))
+    count = {name: int(of_body[np.isin(mesh.body_names, names)].sum()) for name, names in
+             (("triangle", mesh.shells), ("segment", mesh.rods), ("", [*mesh.sections, *mesh.masses]))}
+    tetrahedra = len(mesh.cells) - sum(count.values())
+    found = [plural(tetrahedra, f"{order} tetrahedron".strip()).replace("tetrahedrons", "tetrahedra")] if tetrahedra else []
+    found += [plural(count[kind], kind) + of for kind, of in (("triangle", " of shells"), ("segment", " of rods")) if count[kind]]
+    return ", ".join(found) or "rigid bodies alone"
+
+
 def result_in_a_line(result: "Result") -> str:
-    parts = [plural(len(result), "frame"), of_times(result.times)]
+    parts = [plural(len(result), "frame"), of_times(result.times, result.file)]
     if result.h5:  # it is open
-        parts.append(plural(result.h5[result[-1].mesh_group]["cells"].shape[0], "tetrahedron").replace("tetrahedrons", "tetrahedra"))
+        parts.append(elements_of(result[-1].mesh))
     return f"Result({result.file!r}: {', '.join(parts)})"
 
 
 def history_in_a_line(history: "History") -> str:
-    return f"History({history.file!r}: {plural(len(history.time), 'row')}, {of_times(history.time)}, {plural(len(history), 'column')})"
+    return f"History({history.file!r}: {plural(len(history.time), 'row')}, {of_times(history.time, history.file)}, {plural(len(history), 'column')})"
 
 
 def run_in_a_line(run: "Run") -> str:
@@ -56,7 +81,7 @@ def run_in_a_line(run: "Run") -> str:
     except UNREADABLE:
         return f"Run({run.directory!r})"
     steps = plural(summary["steps"]["accepted"], "step")
-    return f"Run({run.directory!r}: {summary['outcome']}, {steps} to t = {end:g} in {summary['seconds']['total']:.3g} s)"
+    return f"Run({run.directory!r}: {summary['outcome']}, {steps} to {at_time(end, run.history.file)} in {summary['seconds']['total']:.3g} s)"
 
 
 # ------------------------------------------------------------------------------------------------------------ as HTML
@@ -135,8 +160,9 @@ def history_rows(history: "History") -> "list[tuple[str, str]]":
 
 
 def history_as_html(history: "History") -> str:
-    rows = [("file", history.file), ("rows", f"{len(history.time):,}, {of_times(history.time)}"), *history_rows(history)]
-    columns = [(name, unit_of(name), *(number(f(history[name])) for f in (lambda v: v[0], lambda v: v[-1], np.min, np.max)))
+    rows = [("file", history.file), ("rows", f"{len(history.time):,}, {of_times(history.time, history.file)}"), *history_rows(history)]
+    counts = instants(history.file) != "t"
+    columns = [(name, "" if counts and name in ("time", "dt") else unit_of(name), *(number(f(history[name])) for f in (lambda v: v[0], lambda v: v[-1], np.min, np.max)))
                for name in history if name not in COUNTED]
     every = table(("column", "unit", "first", "last", "smallest", "largest"), columns)
     return card("History", rows, picture_of_history(history), folded(f"all {len(columns)} columns", every))
@@ -144,11 +170,11 @@ def history_as_html(history: "History") -> str:
 
 def result_as_html(result: "Result") -> str:
     if not result.h5:
-        return card(result.title or "Result", [("file", result.file), ("frames", f"{len(result)}, {of_times(result.times)}"), ("state", "closed")])
+        return card(result.title or "Result", [("file", result.file), ("frames", f"{len(result)}, {of_times(result.times, result.file)}"), ("state", "closed")])
     last, mesh = result[-1], result[-1].mesh
     kind = "quadratic" if mesh.cells.shape[1] == 10 else "linear"
-    rows = [("file", result.file), ("frames", f"{len(result)}, {of_times(result.times)}"),
-            ("mesh", f"{len(mesh.cells):,} {kind} tetrahedra, {len(mesh.coordinates):,} nodes"), ("bodies", ", ".join(mesh.body_names))]
+    rows = [("file", result.file), ("frames", f"{len(result)}, {of_times(result.times, result.file)}"),
+            ("mesh", f"{elements_of(mesh, kind)}, {len(mesh.coordinates):,} nodes"), ("bodies", ", ".join(mesh.body_names))]
     if last.obstacles is not None:
         rows.append(("obstacles", ", ".join(last.obstacles.names)))
     if last.mechanisms is not None:
@@ -179,7 +205,7 @@ def run_as_html(run: "Run") -> str:
     seconds = summary["seconds"]["total"]
     rows += [("input", os.path.join(run.directory, "run.yaml")),
              ("outcome", f"{summary['outcome']} after {seconds:.3g} s on {plural(summary['ranks'], 'rank')}"),
-             ("steps", f"{summary['steps']['accepted']:,} to t = {history.time[-1]:g}, {summary['solver']['newton_iterations']:,} Newton iterations"),
+             ("steps", f"{summary['steps']['accepted']:,} to {at_time(history.time[-1], history.file)}, {summary['solver']['newton_iterations']:,} Newton iterations"),
              *history_rows(history), ("files", files_of(run.directory))]
     picture = picture_of_history(history)
     title = "Run"
@@ -222,7 +248,7 @@ def picture_of_history(history: "History") -> "Optional[str]":
     axes = figure.add_subplot()
     for name in shown:
         axes.plot(history.time, history[name], label=name.replace("_", " "), linewidth=1.4)
-    axes.set_xlabel("time [s]", fontsize=8)
+    axes.set_xlabel("time [s]" if (name := instants(history.file)) == "t" else name, fontsize=8)
     axes.set_ylabel("energy [J]", fontsize=8)
     axes.tick_params(labelsize=7)
     axes.legend(fontsize=7, frameon=False)
@@ -260,10 +286,11 @@ def picture_of_frame(frame: "Frame") -> "Optional[str]":
     order = order[np.argsort(corners[order, :, 2].mean(axis=1))]  # those nearest to the viewer last
     axes = figure.add_subplot(aspect="equal")
     axes.set_axis_off()
+    now = at_time(frame.time, frame.result.file)
     axes.add_collection(PolyCollection(corners[order, :, :2], facecolors=colours[order], edgecolors=colours[order], linewidths=0.3))
     axes.autoscale_view()
-    axes.set_title(f"t = {frame.time:g}, displacement up to {length.max():.3g} m", fontsize=8)
-    return _image(figure, f"the bodies at t = {frame.time:g}, coloured by displacement")
+    axes.set_title(f"{now}, displacement up to {length.max():.3g} m", fontsize=8)
+    return _image(figure, f"the bodies at {now}, coloured by displacement")
 
 
 # --------------------------------------------------------------------------------------------------------- the report

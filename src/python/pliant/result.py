@@ -27,6 +27,8 @@ class Mesh:
     sections: "list[str]" = dataclasses.field(default_factory=list)
     #: Free shells, whose cells are triangles, each with an apex near its middle.
     shells: "list[str]" = dataclasses.field(default_factory=list)
+    #: Those of the rods that have a rectangular section.
+    rectangular_rods: "list[str]" = dataclasses.field(default_factory=list)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -304,7 +306,7 @@ class Result(Sequence[Frame]):
         """Of all frames, unless the run was resumed: `Frame.mesh` is that of a frame."""
         if group not in self._meshes:
             given = self.h5[group]
-            names, *others = (text(given["body"].attrs.get(key, "")).split("\n") for key in ("names", "masses", "rods", "sections", "shells"))
+            names, *others = (text(given["body"].attrs.get(key, "")).split("\n") for key in ("names", "masses", "rods", "sections", "shells", "rectangular_rods"))
             self._meshes[group] = Mesh(given["coordinates"][()], given["cells"][()], given["body"][()], names,
                                        *(other if other[0] else [] for other in others))
         return self._meshes[group]

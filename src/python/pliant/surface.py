@@ -118,7 +118,11 @@ class Surface:
         return np.einsum("pk,pkc->pc", self._weights, values[self._nodes])
 
     def of_cells(self, values: np.ndarray) -> np.ndarray:
-        """Cell values at the points: first averaged to the nodes, weighted by volume."""
+        """Cell values at the points: first averaged to the nodes."""
+        return self.of_nodes(self.nodal_means(values))
+
+    def nodal_means(self, values: np.ndarray) -> np.ndarray:
+        """Cell values averaged to the nodes of the mesh, weighted by volume; 0 away from the cells of the surface."""
         cells = self._mesh.cells[self._cells]
         corners = cells[:, :4]
         a, b, c, d = (self._mesh.coordinates[corners[:, i]] for i in range(4))
@@ -128,10 +132,9 @@ class Surface:
         weight = np.repeat(volume, cells.shape[1])
         total = np.bincount(nodes, weight, num_nodes)
         total[total == 0] = 1
-        at_nodes = np.stack(
+        return np.stack(
             [np.bincount(nodes, weight * np.repeat(column, cells.shape[1]), num_nodes) / total
              for column in values[self._cells].T], axis=1)
-        return self.of_nodes(at_nodes)
 
 
 def _sphere(divisions: int = 3) -> "tuple[np.ndarray, np.ndarray]":

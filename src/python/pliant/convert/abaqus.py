@@ -5,12 +5,13 @@ from .abaqus_deck import read_cards
 from .abaqus_materials import AbaqusMaterials
 from .abaqus_mesh import AbaqusMesh
 from .abaqus_steps import AbaqusSteps
+from .contact import hint
 from .model import Body, Model
 
 OUTPUT = {"NODEPRINT", "ELPRINT", "NODEFILE", "ELFILE", "OUTPUT", "NODEOUTPUT", "ELEMENTOUTPUT", "CONTACTFILE", "CONTACTPRINT", "CONTACTOUTPUT",
           "SECTIONPRINT", "FACEPRINT", "ENERGYPRINT", "ENERGYOUTPUT", "ENERGYFILE", "FILEOUTPUT", "PREPRINT", "RESTART", "MONITOR", "PRINT",
           "ELEMENTPRINT", "TIMEPOINTS"}
-CONDITIONS = {"EQUATION", "MPC", "TEMPERATURE", "EXPANSION", "RIGIDBODY", "COUPLING", "KINEMATIC", "DISTRIBUTING", "CONTACTPAIR"}
+CONDITIONS = {"EQUATION", "MPC", "TEMPERATURE", "EXPANSION", "RIGIDBODY", "COUPLING", "KINEMATIC", "DISTRIBUTING", "CONTACTPAIR", "CONTACT"}
 CONTROLS = {"CONTROLS", "SOLVERCONTROLS", "HOURGLASSSTIFFNESS", "SECTIONCONTROLS"}
 
 
@@ -20,6 +21,7 @@ def read(file, diagnostics):
     mesh, materials = AbaqusMesh(model, diagnostics), AbaqusMaterials(diagnostics)
     steps = AbaqusSteps(model, mesh, diagnostics)
     sections, output, controls = [], [], []
+    interaction, friction = "", {}
     for card in read_cards(file, diagnostics):
         if mesh.read(card) or materials.read(card) or steps.read(card):
             continue
@@ -32,10 +34,18 @@ def read(file, diagnostics):
         elif card.keyword in CONTROLS:
             controls.append(card)
         else:
+            if card.keyword == "SURFACEINTERACTION":
+                interaction = card.upper("NAME")
+            elif card.keyword == "FRICTION" and card.data:
+                friction[interaction] = diagnostics.number(card.data[0][1][0], card.data[0][0], "the coefficient of friction")
             parameters = "".join(f", {name}{'=' + value if value else ''}" for name, value in card.parameters.items())
             said = f"{card.title}{parameters}"
             if card.keyword == "TRANSFORM":
                 diagnostics.missing(card.line, f"{said}: conditions on its nodes are along local axes, and stand in the input along x, y, z: correct them there")
+            elif card.keyword in ("CONTACTPAIR", "CONTACT"):
+                names = [[mesh.spelled("surface", name) for name in entries if name] for _, entries in card.data] if card.keyword == "CONTACTPAIR" else []
+                pairs = [(own[0], own[1] if len(own) > 1 and own[1] != own[0] else "", friction.get(card.upper("INTERACTION"))) for own in names if own]
+                diagnostics.missing(card.line, f"{said}: {hint(pairs)}")
             elif card.keyword in CONDITIONS:
                 diagnostics.missing(card.line, said)
             else:

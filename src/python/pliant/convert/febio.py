@@ -1,6 +1,7 @@
 """Reads a model of FEBio (.feb, versions 2.5, 3 and 4)."""
 import os
 
+from .contact import hint
 from .course import Course, Segment
 from .febio_conditions import FebioConditions
 from .febio_materials import FebioMaterials
@@ -44,7 +45,7 @@ def read(file, diagnostics):
     is_dynamic = read_time(root, model, diagnostics)
     add_bodies(root, model, mesh, diagnostics, is_dynamic)
     FebioConditions(root, model, mesh, curves, diagnostics).read()
-    list_the_rest(root, diagnostics)
+    list_the_rest(root, mesh, diagnostics)
     return model
 
 
@@ -143,12 +144,24 @@ def add_bodies(root, model, mesh, diagnostics, is_dynamic):
         node.use()
 
 
-def list_the_rest(root, diagnostics):
+def contact_hint(section, mesh):
+    """What to write for the interfaces of the section `Contact`."""
+    pairs = []
+    for contact in section.each("contact"):
+        friction = contact.child("fric_coeff")
+        names = [name for name in mesh.surface_pairs.get(contact.get("surface_pair"), []) if name]
+        if names:
+            pairs.append((names[0], names[1] if len(names) > 1 and names[1] != names[0] else "",
+                          mesh.diagnostics.number(friction.text, friction.line, "fric_coeff") if friction is not None else None))
+    return hint(pairs)
+
+
+def list_the_rest(root, mesh, diagnostics):
     """What nothing was made of."""
     for node in root.unused():
         name = node.get("name")
         kind = node.get("type")
-        reason = SUMMARISED.get(node.tag, "")
+        reason = contact_hint(node, mesh) if node.tag == "Contact" else SUMMARISED.get(node.tag, "")
         if node.tag == "Globals" and all(constant.text in ("0", "") for constants in node.children for constant in constants.children):
             continue
         if node.tag == "symmetric_stiffness" or not node.children and node.text in ("", "0") and not node.attributes:

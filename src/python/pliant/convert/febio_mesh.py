@@ -37,7 +37,12 @@ class FebioMesh:
             self.name_element_set(element_set.get("name"), rows)
         for surface in section.each("Surface"):
             self.read_surface(surface.use())
-        for unused in ("SurfacePair", "DiscreteSet", "Edge", "PartList"):
+        self.surface_pairs = {}
+        for pair in section.each("SurfacePair"):
+            sides = [pair.child(tag) for tag in ("primary", "secondary")]
+            self.surface_pairs[pair.get("name")] = [side.text or side.get("surface") for side in sides if side is not None]
+            self.diagnostics.omit(pair.use().line, f"SurfacePair {pair.get('name')}")
+        for unused in ("DiscreteSet", "Edge", "PartList"):
             for node in section.each(unused):
                 self.diagnostics.omit(node.use().line, f"{unused} {node.get('name')}")
         domains = root.child("MeshDomains")

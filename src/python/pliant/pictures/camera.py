@@ -14,6 +14,18 @@ class Camera:
     target: np.ndarray
     up: np.ndarray
 
+    def axes(self):
+        """Unit vectors to the right, upwards and toward the viewer: rows."""
+        back = self.position - self.target
+        back = back / np.linalg.norm(back)
+        right = np.cross(self.up, back)
+        right = right / np.linalg.norm(right)
+        return np.stack([right, np.cross(back, right), back])
+
+    def width_seen(self):
+        """What the picture's height shows in the depth of the target [m]."""
+        return 2 * np.tan(np.radians(VIEW_ANGLE / 2)) * np.linalg.norm(self.position - self.target)
+
 
 def fitted_camera(direction, clouds, size):
     """The camera that looks against `direction` and just sees all points of all clouds."""

@@ -3,19 +3,27 @@ import matplotlib
 import numpy as np
 
 
-class Colours:
-    """Values to colours: one scale for all frames, perceptually uniform; diverging about zero for values of both signs."""
+# Names of the maps, what they are in matplotlib, and the part of them that is taken: shading needs colours that can become darker, so
+# the darkest ends are left out. All are perceptually uniform or, `diverging`, symmetric about zero; `cividis` is the same for every
+# colour vision.
+MAPS = {"viridis": ("viridis", 0.12, 1.0), "cividis": ("cividis", 0.08, 1.0), "inferno": ("inferno", 0.15, 1.0),
+        "greys": ("Greys_r", 0.15, 0.95), "diverging": ("RdBu_r", 0.07, 0.93)}
 
-    def __init__(self, low, high):
-        self.diverging = low < -0.02 * (high - low) and high > 0.02 * (high - low)
+
+class Colours:
+    """Values to colours: one scale for all frames. `name`: of MAPS, or "auto": diverging for values of both signs, else viridis."""
+
+    def __init__(self, low, high, name="auto"):
+        if name == "auto":
+            name = "diverging" if low < -0.02 * (high - low) and high > 0.02 * (high - low) else "viridis"
+        self.diverging = name == "diverging"
         if self.diverging:
-            low, high = -max(-low, high), max(-low, high)
+            low, high = -max(abs(low), abs(high)), max(abs(low), abs(high))
         if not high > low:
             low, high = (low, low + 1) if low == 0 else (low - abs(low) / 2, low + abs(low) / 2)
         self.low, self.high = low, high
-        self._map = matplotlib.colormaps["RdBu_r" if self.diverging else "viridis"]
-        # Shading needs colours that can become darker: the darkest ends of the maps are left out.
-        self._ends = (0.07, 0.93) if self.diverging else (0.12, 1.0)
+        name, *self._ends = MAPS[name]
+        self._map = matplotlib.colormaps[name]
 
     def __call__(self, values):
         share = np.clip((values - self.low) / (self.high - self.low), 0, 1)

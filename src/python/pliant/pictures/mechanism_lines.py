@@ -1,26 +1,27 @@
-"""Tendons, springs, rods and joints in a picture: tubes and spheres that VTK draws."""
+"""Tendons, springs, rods and joints in a picture: tubes, prisms and spheres that VTK draws."""
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-from vtkmodules.vtkFiltersCore import vtkGlyph3D, vtkTubeFilter
+from vtkmodules.vtkFiltersCore import vtkGlyph3D, vtkPolyDataNormals, vtkTubeFilter
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
+from .rods import HAIRLINE, prisms
 from .shown import JOINT
 
-THICKNESS, DOT = 0.004, 0.014  # radius of lines, at least, and of the spheres at joints, as fractions of the scene's size
+THICKNESS, DOT = 0.004, 0.014  # radius of lines and of the spheres at joints, as fractions of the scene's size
 
 
 class DrawnMechanisms:
     """Lines in a renderer, in whose scene something is `size` long; `set` places and colours them."""
 
     def __init__(self, renderer, size):
-        self._lines, self._places = vtkPolyData(), vtkPolyData()
+        self._lines, self._places, self._rods = vtkPolyData(), vtkPolyData(), vtkPolyData()
+        self._hairline = HAIRLINE * size
         tubes = vtkTubeFilter()
         tubes.SetInputData(self._lines)
-        tubes.SetVaryRadiusToVaryRadiusByAbsoluteScalar()
-        self._least_radius = THICKNESS * size
+        tubes.SetRadius(THICKNESS * size)
         tubes.SetNumberOfSides(16)
         tubes.CappingOn()
         ball = vtkSphereSource()
@@ -31,7 +32,11 @@ class DrawnMechanisms:
         balls.SetInputData(self._places)
         balls.SetSourceConnection(ball.GetOutputPort())
         balls.ScalingOff()
-        self.actors = [self._actor(renderer, part.GetOutputPort()) for part in (tubes, balls)]
+        rods = vtkPolyDataNormals()
+        rods.SetInputData(self._rods)
+        rods.SetFeatureAngle(35)
+        rods.ConsistencyOff()
+        self.actors = [self._actor(renderer, part.GetOutputPort()) for part in (tubes, balls, rods)]
         self.actors[1].GetMapper().ScalarVisibilityOff()
         self.actors[1].GetProperty().SetColor(*(c / 255 for c in JOINT))
 
@@ -48,20 +53,23 @@ class DrawnMechanisms:
 
     def set(self, shown):
         """`shown`: a ShownMechanisms."""
-        self._fill(self._lines, shown.points, shown.segments)
-        radii = np.maximum(shown.radii, self._least_radius)
-        self._lines.GetPointData().SetScalars(numpy_to_vtk(np.ascontiguousarray(radii), deep=True))
-        self._lines.GetCellData().SetScalars(numpy_to_vtk(np.ascontiguousarray(shown.colours), deep=True))
+        lines = ~shown.is_rod
+        self._fill(self._lines, shown.points, shown.segments[lines])
+        self._lines.GetCellData().SetScalars(numpy_to_vtk(np.ascontiguousarray(shown.colours[lines]), deep=True))
+        if len(shown.rods) > 0:
+            points, triangles, segment = prisms(shown.rods, shown.has_rectangle, self._hairline)
+            self._fill(self._rods, points, triangles)
+            self._rods.GetCellData().SetScalars(numpy_to_vtk(np.ascontiguousarray(shown.rod_colours[segment]), deep=True))
         self._fill(self._places, shown.points[shown.joints])
 
     @staticmethod
-    def _fill(data, positions, segments=None):
+    def _fill(data, positions, lines_or_triangles=None):
         points, cells = vtkPoints(), vtkCellArray()
         points.SetData(numpy_to_vtk(np.ascontiguousarray(positions), deep=True))
         data.SetPoints(points)
-        if segments is not None:
-            offsets = 2 * np.arange(len(segments) + 1, dtype=np.int64)
-            cells.SetData(numpy_to_vtkIdTypeArray(offsets, deep=True),
-                          numpy_to_vtkIdTypeArray(np.ascontiguousarray(segments, dtype=np.int64).ravel(), deep=True))
-            data.SetLines(cells)
+        if lines_or_triangles is not None:
+            count, width = lines_or_triangles.shape
+            cells.SetData(numpy_to_vtkIdTypeArray(width * np.arange(count + 1, dtype=np.int64), deep=True),
+                          numpy_to_vtkIdTypeArray(np.ascontiguousarray(lines_or_triangles, dtype=np.int64).ravel(), deep=True))
+            (data.SetLines if width == 2 else data.SetPolys)(cells)
         data.Modified()

@@ -9,6 +9,7 @@ from PIL import Image, ImageDraw, ImageFont
 BACKGROUND = (250, 250, 252)
 INK = (45, 49, 57)
 FAINT_INK = (120, 126, 136)
+AXES = ((200, 62, 62), (47, 140, 84), (58, 104, 190))  # colours of x, y, z
 
 
 def font(size, bold=False):
@@ -40,6 +41,12 @@ def ticks(low, high):
     return values, decimals
 
 
+def round_length(most):
+    """The largest of 1, 2 and 5 times a power of ten that is not longer."""
+    power = 10 ** np.floor(np.log10(most))
+    return power * max(m for m in (1, 2, 5) if m * power <= most * (1 + 1e-9))
+
+
 class Page:
     """The picture around the scene: title, time, colour bar."""
 
@@ -54,7 +61,8 @@ class Page:
     def scene_size(self):
         return self.size[0] - self.bar_width, self.size[1] - self.header
 
-    def compose(self, pixels, instant):
+    def compose(self, pixels, instant, camera=None):
+        """`camera`: for the axes and the scale bar; None: without them."""
         page = Image.new("RGB", self.size, BACKGROUND)
         scene = Image.fromarray(pixels).resize(self.scene_size, Image.LANCZOS)
         page.paste(scene, (0, self.header))
@@ -62,9 +70,36 @@ class Page:
         h = self._unit
         draw.text((4 * h, 4.4 * h), self._title, INK, font(3.4 * h, bold=True))
         draw.text((self.size[0] - 4 * h, 4.6 * h), instant, INK, font(3.0 * h), anchor="ra")
+        if camera is not None:
+            self._draw_axes(draw, camera)
+            self._draw_scale(draw, camera)
         if self._quantity is not None:
             (self._draw_names if self._quantity.names else self._draw_bar)(page, draw)
         return page
+
+    def _draw_axes(self, draw, camera):
+        """The directions x, y, z as the viewer sees them, the nearest one last."""
+        h = self._unit
+        middle = np.array([8 * h, self.size[1] - 9 * h])
+        across = np.stack(camera.axes()[:2])
+        for k in np.argsort(camera.axes()[2]):
+            arrow = across[:, k] * [1, -1]
+            tip = middle + 4.5 * h * arrow
+            draw.line([*middle, *tip], AXES[k], max(1, round(0.45 * h)))
+            if np.linalg.norm(arrow) > 0.15:
+                label = middle + (4.5 * h + 1.7 * h / np.linalg.norm(arrow)) * arrow
+                draw.text(tuple(label), "xyz"[k], AXES[k], font(2.6 * h, bold=True), anchor="mm")
+
+    def _draw_scale(self, draw, camera):
+        """A bar of a round length, as long as it is in the depth of the bodies' middle."""
+        h = self._unit
+        length_of_pixel = camera.width_seen() / self.scene_size[1]
+        length = round_length(0.22 * self.scene_size[1] * length_of_pixel)
+        factor, unit = prefixed("m", length)
+        x, y, width = 17 * h, self.size[1] - 4.2 * h, length / length_of_pixel
+        for line in ([x, y, x + width, y], [x, y - 0.8 * h, x, y + 0.8 * h], [x + width, y - 0.8 * h, x + width, y + 0.8 * h]):
+            draw.line(line, INK, max(1, round(0.3 * h)))
+        draw.text((x + width / 2, y - 1.2 * h), f"{length / factor:g} {unit}", INK, font(2.4 * h), anchor="mb")
 
     def _draw_bar(self, page, draw):
         h, c = self._unit, self._colours
@@ -89,9 +124,12 @@ class Page:
 
     def _draw_label(self, draw, x, unit):
         h = self._unit
-        lines = _wrapped(self._quantity.label, 14)
+        letters, room = font(2.5 * h, bold=True), self.size[0] - x - h
+        lines = _wrapped(self._quantity.label, letters.getlength, room)
+        longest = max(letters.getlength(line) for line in lines)
+        letters = font(2.5 * h * min(1.0, room / longest), bold=True)
         for i, line in enumerate(lines):
-            draw.text((x, (23.4 - 3.2 * (len(lines) - i)) * h), line, INK, font(2.5 * h, bold=True), anchor="ls")
+            draw.text((x, (23.4 - 3.2 * (len(lines) - i)) * h), line, INK, letters, anchor="ls")
         draw.text((x, 23.4 * h), unit, FAINT_INK, font(2.4 * h), anchor="ls")
 
     def _draw_names(self, _, draw):
@@ -104,10 +142,11 @@ class Page:
             draw.text((x + 3.6 * h, y + 1.2 * h), name, INK, font(2.4 * h), anchor="lm")
 
 
-def _wrapped(text, width):
+def _wrapped(text, length, room):
+    """Lines of words; `length` of a line is at most `room`, unless it is a single word."""
     lines = [""]
     for word in text.split():
-        if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
+        if lines[-1] and length(f"{lines[-1]} {word}") > room:
             lines.append("")
         lines[-1] = f"{lines[-1]} {word}".strip()
     return lines

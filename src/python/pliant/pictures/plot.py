@@ -295,7 +295,9 @@ def main(arguments, program):
         history = History(options.result)
         directory = os.path.dirname(os.path.abspath(history.file))
         file = options.output or os.path.join(directory, "history.png")
-        columns = [name.strip() for name in options.of.split(",")] if options.of else []
+        columns = [] if options.of is None else [name.strip() for name in options.of.split(",")]
+        if not all(columns):
+            raise PliantError(f"--of '{options.of}': a name is missing; columns are separated by commas, as in --of tip_z,kinetic_energy")
         for option, names in (("of", columns), ("x", [options.x] if options.x else [])):
             for name in names:
                 require(history, option, name)

@@ -19,6 +19,7 @@ class Quantity:
     label: str
     unit: str
     names: list  # of a quantity that counts bodies or ranks; else empty
+    axes: str = ""  # of a component: "x", "xy"; empty where it does not depend on them
 
     def at_points(self, frame, surface):
         """Values at the points of the surface; of counted things, at its faces."""
@@ -49,7 +50,7 @@ def quantity_of(result, name):
         components = components_of(base, field)
         if suffix not in components:
             raise PliantError(f"the field '{base}' has no component '{suffix}'; it has {', '.join(components) or 'only one'}")
-        return Quantity(base, components.index(suffix), f"{_words(base)} {suffix}", field.unit, [])
+        return Quantity(base, components.index(suffix), f"{_words(base)} {suffix}", field.unit, [], "" if base.startswith(PRINCIPAL) else suffix)
     field = frame.field(name)
     if name == "body":
         return Quantity(name, 0, "body", "", frame.mesh.body_names)

@@ -11,6 +11,8 @@ import numpy as np
 from pliant import PliantError, Result
 
 from .camera import VIEWS
+from .colours import MAPS
+from .cut import mirror, plane
 from ..command_line import Parser, exit_code
 
 
@@ -36,7 +38,7 @@ def write_model(result, options):
     also the one whose colours are shown, by default the last."""
     from .model import Model
 
-    for name in ("view", "size", "mesh_edges", "outline", "frames"):
+    for name in ("view", "size", "mesh_edges", "outline", "frames", "cut", "mirror", "no_axes"):
         if getattr(options, name) != parser_of("").get_default(name):
             raise PliantError(f"--{name.replace('_', '-')} has no effect on a .glb, which is a model instead of a picture: leave it out")
     file = options.output or os.path.join(result.directory, "movie.glb")
@@ -122,8 +124,17 @@ def _finite(text):
     return number
 
 
+def _plane(text):
+    return plane(text)
+
+
+def _mirror(text):
+    return mirror(text)
+
+
 # argparse puts these names into its message: "invalid WIDTHxHEIGHT value: '3'".
 _view.__name__, _size.__name__, _frame.__name__ = "view", "WIDTHxHEIGHT", "frame"
+_plane.__name__, _mirror.__name__ = "plane (x, y=0.01 or 1,0,1=0.02)", "plane (x or y=0.01)"
 _range.__name__, _positive.__name__, _finite.__name__ = "LOW,HIGH", "positive", "number"
 
 
@@ -131,7 +142,7 @@ def _with_negative_values(arguments):
     """`--view -1,0,0` as `--view=-1,0,0`: argparse takes what begins with a minus sign for another option."""
     joined = []
     for word in arguments:
-        if joined and joined[-1] in ("--view", "--range") and re.match(r"-[\d.]", word):
+        if joined and joined[-1] in ("--view", "--range", "--cut") and re.match(r"-[\d.]", word):
             joined[-1] += "=" + word
         else:
             joined.append(word)
@@ -146,6 +157,8 @@ def parser_of(program):
     parser.add_argument("--field", help="what colours the body: displacement (default), velocity, von_mises_stress, "
                         "velocity_z, cauchy_stress_xx, body, rank, ..., tension (colours tendons and springs), or none")
     parser.add_argument("--range", type=_range, metavar="LOW,HIGH", help="of the colours, in SI units; default: that of all frames")
+    parser.add_argument("--colour-map", choices=("auto", *MAPS), default="auto", help="viridis; cividis, the same for every colour vision; inferno; "
+                        "greys; diverging: blue to red about 0; default: auto, diverging for values of both signs, else viridis")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--frames", action="store_true", help="write every frame as a PNG")
     what.add_argument("--movie", choices=("mp4", "gif", "glb"), help="write a movie of all frames, or a 3D model that moves (.glb)")
@@ -158,6 +171,11 @@ def parser_of(program):
                         "springs and joints are drawn at 1 only")
     parser.add_argument("--mesh-edges", action="store_true", help="draw the edges of the elements")
     parser.add_argument("--outline", action="store_true", help="draw the edges of the undeformed shape")
+    parser.add_argument("--cut", type=_plane, metavar="PLANE", help="take away what the undeformed bodies have on the viewer's side of a plane: y "
+                        "(through their middle), y=0.01, or NORMAL=OFFSET such as 1,0,1=0.02 [m]")
+    parser.add_argument("--mirror", type=_mirror, action="append", default=[], metavar="PLANE",
+                        help="draw the bodies of half a model and their image at x=0 (x), or at a plane such as y=0.01; may be repeated")
+    parser.add_argument("--no-axes", action="store_true", help="leave out the axes and the scale bar")
     parser.add_argument("--hide", action="append", default=[], metavar="NAME", help="leave out a body, an obstacle, a tendon, a spring or a joint; may be repeated")
     parser.add_argument("--transparent", action="append", default=[], metavar="NAME",
                         help="draw a body or an obstacle transparent; may be repeated")

@@ -37,7 +37,7 @@ class Renderer:
                 scene.add_mechanisms(np.linalg.norm(np.ptp(everything, axis=0)))
             if self._options.outline:
                 for shell in shells:
-                    scene.add_outline(shown.reference(shell, frame), shell.surface.triangles)
+                    scene.add_outline(shown.reference(shell, frame), shell.triangles)
             scene.aim(self._camera)
             self._scenes[frame.mesh_group] = scene
         return self._scenes[frame.mesh_group]
@@ -46,4 +46,4 @@ class Renderer:
         shown = self._shown
         pixels = self._scene(frame).draw(shown.positions(frame), shown.colours_of(frame), shown.is_by_face, shown.obstacle_points(frame),
                                          shown.mechanisms(frame))
-        return self._page.compose(pixels, self._instants[frame.name])
+        return self._page.compose(pixels, self._instants[frame.name], None if self._options.no_axes else self._camera)

@@ -51,7 +51,7 @@ class Scene:
         self._shells = []
         for shell in shells:
             drawn = DrawnShell()
-            self._add_surface(drawn.body, drawn.points, shell.surface.triangles, PLAIN_BODY).GetProperty().SetOpacity(shell.opacity)
+            self._add_surface(drawn.body, drawn.points, shell.triangles, PLAIN_BODY).GetProperty().SetOpacity(shell.opacity)
             if options.mesh_edges:
                 drawn.edges.SetPoints(drawn.points)
                 self._add_lines(drawn.edges, shell.surface.element_edges, (0.12, 0.14, 0.18), 1.1, 0.55 * shell.opacity)

@@ -1,6 +1,5 @@
 """What is shown of a result: which bodies, obstacles and mechanisms, where they are in a frame, and their colours."""
 import dataclasses
-import itertools
 
 import numpy as np
 
@@ -8,7 +7,9 @@ from pliant import PliantError, Surface
 
 from .camera import extreme, sheet
 from .colours import Colours, NamedColours
+from .cut import CutSurface, Plane
 from .quantity import Quantity, quantity_of
+from .rods import RodShapes
 
 PLAIN_BODY = (0.62, 0.70, 0.79)
 OBSTACLE = (0.93, 0.91, 0.88)
@@ -21,51 +22,59 @@ JOINT = (232, 152, 28)
 class Shell:
     """A surface that is drawn as one, and how."""
 
-    surface: Surface
+    surface: "Surface | CutSurface"
     opacity: float
     names: "list[str]"  # of the bodies
+    mirrors: "tuple[Plane, ...]" = ()  # at which it is reflected, one after another
 
+    @property
+    def triangles(self):
+        """Counterclockwise seen from outside."""
+        return self.surface.triangles[:, ::-1] if len(self.mirrors) % 2 else self.surface.triangles
 
-def radii_of_rods(mesh):
-    """Half of the thickness of each rod [m], by its name: from its cells, whose corners are the ends of a segment and a point on each of
-    the axes of its section. Fibres have no cells, and are not here."""
-    radii = {}
-    for name in mesh.rods:
-        cells = np.flatnonzero(mesh.body == mesh.body_names.index(name))
-        if len(cells) == 0:
-            continue
-        x = mesh.coordinates[mesh.cells[cells[0], :4]]
-        found = []
-        for axis in itertools.combinations(range(4), 2):
-            along = x[axis[1]] - x[axis[0]]
-            arms = x[[k for k in range(4) if k not in axis]] - x[list(axis)].mean(axis=0)
-            length, lengths = np.linalg.norm(along), np.linalg.norm(arms, axis=1)
-            cosines = [*(arms @ along / (lengths * length)), arms[0] @ arms[1] / lengths.prod()]
-            found.append((round(np.abs(cosines).sum(), 6), -length, lengths.min()))  # where two fit, the axis is the longest
-        radii[name] = min(found)[2]
-    return radii
+    def reflected(self, points):
+        for plane in self.mirrors:
+            points = points - 2 * plane.heights(points)[:, None] * plane.normal
+        return points
+
+    def sign(self, axes):
+        """Whether a component of a field, such as "x" or "xy", has the other sign in the image: -1, or 1."""
+        return np.prod([(-1) ** axes.count("xyz"[int(plane.normal.argmax())]) for plane in self.mirrors])
 
 
 class ShownMechanisms:
-    """Those of a frame whose names are not in `hidden`; `colour_of`: colours of tensions, None for plain lines; `radii`: of rods, by name."""
+    """Those of a frame whose names are not in `hidden`; `colour_of`: colours of tensions, None for plain lines. `rods`: RodShapes of
+    the mesh; `positions`: of its nodes."""
 
-    def __init__(self, mechanisms, hidden, colour_of, radii):
+    def __init__(self, mechanisms, hidden, colour_of, rods, positions):
         names, first_joint = np.array(mechanisms.names), len(mechanisms.names) - len(mechanisms.joints)
         kept = ~np.isin(names[mechanisms.part], hidden)
         part = mechanisms.part[kept]
         self.points, self.segments = mechanisms.points, mechanisms.segments[kept]
-        self.radii = np.zeros(len(self.points))
-        for number, name in enumerate(mechanisms.names):
-            self.radii[self.segments[part == number].ravel()] = radii.get(name, 0.0) if mechanisms.kinds[number] == "rod" else 0.0
         self.joints = mechanisms.joints[~np.isin(names[first_joint:], hidden)]
         self.colours = np.array([COLOURS.get(mechanisms.kinds[p], JOINT) for p in part], dtype=np.uint8).reshape(-1, 3)
         is_line = part < first_joint
         if colour_of is not None and is_line.any():
             self.colours[is_line] = colour_of(mechanisms.tension[kept][is_line])
+        self.is_rod = np.array([mechanisms.kinds[p] == "rod" for p in part], dtype=bool)
+        self._add_rods(rods, positions, names[part])
+
+    def _add_rods(self, rods, positions, name_of_segment):
+        """The bodies of the rods, with the colours of their axes."""
+        kept = np.isin(rods.names, name_of_segment)
+        self.rods, self.has_rectangle = rods.at(positions)[kept], rods.is_rectangular[kept]
+        self.rod_colours = np.empty((len(self.rods), 3), dtype=np.uint8)
+        middles, of_axes = self.rods[:, :2].mean(axis=1), self.points[self.segments].mean(axis=1)
+        for name in np.unique(rods.names[kept]):
+            bodies, axis = np.nonzero(rods.names[kept] == name)[0], np.nonzero(name_of_segment == name)[0]
+            distance = np.linalg.norm(middles[bodies, None] - of_axes[None, axis], axis=2)
+            self.rod_colours[bodies] = self.colours[axis[distance.argmin(axis=1)]]
 
     def cloud(self):
         """Where they are."""
-        return self.points[np.append(self.segments.ravel(), self.joints)]
+        ends, directors = self.rods[:, :2], self.rods[:, 2:]
+        around = np.concatenate([ends + directors[:, [k]] * sign for k in (0, 1) for sign in (-1, 1)], axis=1)
+        return np.concatenate([self.points[np.append(self.segments.ravel(), self.joints)], around.reshape(-1, 3)])
 
 
 def tensions_of(mechanisms):
@@ -76,12 +85,13 @@ def tensions_of(mechanisms):
 class Shown:
     """What `options` choose of the frames `chosen`: the same colours and parts in all of them.
 
-    `options`: field, range, scale, hide, transparent, outline, as `pliant render` has them.
+    `options`: field, range, colour_map, scale, hide, transparent, outline, cut, mirror, view, as `pliant render` has them.
     """
 
     def __init__(self, result, chosen, options):
         self._result, self._options, self.frames = result, options, chosen
-        self._shells_of_mesh, self._radii_of_mesh = {}, {}
+        self._shells_of_mesh, self._rods_of_mesh = {}, {}
+        self._cut = None
         self._require_names(chosen[0])
         self.by_tension = options.field == "tension"
         self.quantity = self._chosen_quantity()
@@ -136,22 +146,42 @@ class Shown:
             for of_body, opacity in parts:
                 cells = np.nonzero(of_body[mesh.body])[0]
                 names = [name for name, is_in in zip(mesh.body_names, of_body) if is_in]
-                shells += [Shell(Surface(mesh, cells=cells), opacity, names)] if len(cells) > 0 else []
+                if len(cells) > 0:
+                    surface = Surface(mesh, cells=cells)
+                    shells.append(Shell(surface if options.cut is None else self._cut_open(surface, mesh, cells), opacity, names))
             if not shells:
                 raise PliantError("--hide: every body is hidden")
+            for plane in options.mirror:
+                shells += [dataclasses.replace(shell, mirrors=(*shell.mirrors, plane)) for shell in shells]
             self._shells_of_mesh[frame.mesh_group] = shells
         return self._shells_of_mesh[frame.mesh_group]
 
+    def _cut_open(self, surface, mesh, cells):
+        """What is left when the viewer's side of the plane is taken away; the plane is the same for all bodies and frames."""
+        if self._cut is None:
+            plane, toward_viewer = self._options.cut, np.asarray(self._options.view, dtype=float)
+            offset = plane.offset
+            if offset is None:
+                along = mesh.coordinates[np.unique(mesh.cells)] @ plane.normal
+                offset = (along.min() + along.max()) / 2
+            sign = -1.0 if plane.normal @ toward_viewer < 0 else 1.0
+            self._cut = Plane(sign * plane.normal, sign * offset)
+        found = CutSurface(surface, mesh, cells, self._cut)
+        if len(found.triangles) == 0:
+            raise PliantError("--cut: nothing of a body is left; its plane lies behind all of it, seen by the viewer")
+        return found
+
     @staticmethod
     def reference(shell, frame):
-        return shell.surface.of_nodes(frame.mesh.coordinates)
+        return shell.reflected(shell.surface.of_nodes(frame.mesh.coordinates))
 
     def positions(self, frame):
         """Of each shell."""
         displacement = frame.displacement()
         found = []
         for shell in self.shells(frame):
-            positions = self.reference(shell, frame) + self._options.scale * shell.surface.of_nodes(displacement)
+            at_rest, moved = (shell.surface.of_nodes(values) for values in (frame.mesh.coordinates, displacement))
+            positions = shell.reflected(at_rest + self._options.scale * moved)
             if not np.isfinite(positions).all():
                 raise PliantError(f"the displacement at t = {frame.time:g} s is not finite")
             found.append(positions)
@@ -167,17 +197,15 @@ class Shown:
             return None
         return dataclasses.replace(obstacles, triangles=obstacles.triangles[shown], obstacle=obstacles.obstacle[shown])
 
-    def _radii(self, frame):
-        if frame.mesh_group not in self._radii_of_mesh:
-            self._radii_of_mesh[frame.mesh_group] = radii_of_rods(frame.mesh)
-        return self._radii_of_mesh[frame.mesh_group]
-
     def mechanisms(self, frame):
         """Those that are not hidden; None where displacements are not drawn as they are."""
         given = frame.mechanisms if self._options.scale == 1 else None
         if given is None:
             return None
-        shown = ShownMechanisms(given, self._options.hide, self.colours if self.by_tension else None, self._radii(frame))
+        if frame.mesh_group not in self._rods_of_mesh:
+            self._rods_of_mesh[frame.mesh_group] = RodShapes(frame.mesh)
+        shown = ShownMechanisms(given, self._options.hide, self.colours if self.by_tension else None, self._rods_of_mesh[frame.mesh_group],
+                                frame.positions())
         return shown if len(shown.segments) > 0 else None
 
     def near_obstacles(self):
@@ -206,7 +234,7 @@ class Shown:
 
     def _values(self, frame):
         """Of each shell."""
-        return [self.quantity.at_points(frame, shell.surface) for shell in self.shells(frame)]
+        return [shell.sign(self.quantity.axes) * self.quantity.at_points(frame, shell.surface) for shell in self.shells(frame)]
 
     @property
     def is_by_face(self):
@@ -229,13 +257,13 @@ class Shown:
         if self.quantity.names:
             return NamedColours(len(self.quantity.names))
         if self._options.range is not None:
-            return Colours(*self._options.range)
+            return Colours(*self._options.range, self._options.colour_map)
         # A magnitude starts at zero. Cell stresses at a sharp corner are far larger than elsewhere: the uppermost and
         # lowermost thousandth get the colour of the ends.
         of_lines = [tensions_of(frame.mechanisms) for frame in self.sample()] if self.by_tension else []
         values = np.concatenate(of_lines or [_extent(np.concatenate(self._values(frame))) for frame in self.sample()])
         low, high = values.min(), values.max()
-        return Colours(0.0 if 0 <= low < 0.5 * high else low, high)
+        return Colours(0.0 if 0 <= low < 0.5 * high else low, high, self._options.colour_map)
 
 
 def _extent(values):
