@@ -69,7 +69,7 @@ def spread(text, ranks):
     if ranks == 1:
         return "1", "0", "0"
     [cells] = numbers(r"^ +size +(\d+) tetrahedra", text)
-    [most] = numbers(r"^ +ranks +\d+, with \d+ to (\d+) tetrahedra", text)
+    [most] = numbers(r"^ +ranks +\d+, with \d+ to (\d+) cells", text)
     [unknowns] = numbers(r"^unknowns\n +(\d+) ", text)
     ghosts, neighbours = numbers(r"^ +ghosts: \d+ to \d+ nodes per rank, (\d+) in all; from \d+ to (\d+) other ranks$", text)
     return f"{most * ranks / cells:.2f}", f"{3 * ghosts / unknowns:.2f}", str(neighbours)

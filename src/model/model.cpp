@@ -391,10 +391,12 @@ PrescribedMotion Model::motion(Correction correction) const {
   PrescribedMotion motion = constraints_->motion(correction);
   if (!inertia_ || analysis_of(config_) != Analysis::dynamic) return motion;
   const Method* const method = integrator_of(config_);
-  const bool is_symplectic = method != nullptr && method->symplectic;
+  // What velocities miss of the joints changes its sign from one midpoint rule to the next, if these are equally long.
+  const bool keeps_energy = method != nullptr && method->symplectic &&
+                            std::ranges::all_of(method->b, [&](double weight) { return weight == method->b.front(); });
   return with_projected_velocities(std::move(motion),
                                    {layout_, *inertia_, constraints_->prescribed().flags(), constraints_->map()},
-                                   is_symplectic ? EndVelocities::of_method : EndVelocities::projected);
+                                   keeps_energy ? EndVelocities::of_method : EndVelocities::projected);
 }
 
 void Model::require_finite(double time) const {

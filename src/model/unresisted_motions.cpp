@@ -36,8 +36,10 @@ const RigidBodyConfig* free_body(const Config& config, const std::string& name) 
     if (std::ranges::any_of(tendon.points, is_at_body)) return nullptr;
   }
   for (const JointConfig& joint : config.joints) {
-    const bool has_effort = joint.spring || joint.motor || joint.limits || joint.damping.value_or(0.0) > 0.0 ||
-                            joint.friction.value_or(0.0) > 0.0 || joint.bearing;
+    const bool has_rates = analysis_of(config) == Analysis::quasistatic;  // or dampers and friction exert nothing
+    const bool resists_rates = joint.damping.value_or(0.0) > 0.0 || joint.friction.value_or(0.0) > 0.0 ||
+                               (joint.bearing && joint.bearing->friction > 0.0);
+    const bool has_effort = joint.spring || joint.motor || joint.limits || (has_rates && resists_rates);
     if (has_effort && std::ranges::find(joint.between, name) != joint.between.end()) return nullptr;
   }
   return &*body;

@@ -21,7 +21,7 @@ namespace pliant {
 namespace {
 
 /// The values of a key as numbers of one unit, run by run.
-struct Numbers {
+struct SweptNumbers {
   std::size_t key;
   std::vector<double> values;
   std::string unit;
@@ -51,8 +51,8 @@ struct Numbers {
 };
 
 /// As typed, if all have the same unit; otherwise in SI. Nothing if they are not all numbers.
-std::optional<Numbers> numbers_of(const std::vector<SweptValues>& keys, std::size_t key) {
-  Numbers numbers{key, {}, ""};
+std::optional<SweptNumbers> numbers_of(const std::vector<SweptValues>& keys, std::size_t key) {
+  SweptNumbers numbers{key, {}, ""};
   for (const std::string& text : keys[key].texts) {
     const std::size_t end = std::min(text.find(' '), text.size());
     const auto number = parse_number(std::string_view(text).substr(0, end));
@@ -61,7 +61,7 @@ std::optional<Numbers> numbers_of(const std::vector<SweptValues>& keys, std::siz
     if (!number || (!numbers.values.empty() && numbers.unit != unit)) {
       auto in_si = si_values(keys[key]);
       if (!in_si) return std::nullopt;
-      return Numbers{key, std::move(*in_si), keys[key].unit};
+      return SweptNumbers{key, std::move(*in_si), keys[key].unit};
     }
     numbers.unit = unit;
     numbers.values.push_back(*number);
@@ -78,7 +78,7 @@ void write(const std::filesystem::path& directory, const std::string& name, cons
 }
 
 /// One curve for each choice of the keys that are not in `except`.
-Plot plot_over(const Numbers& numbers, const std::vector<SweptValues>& keys, const SweptResult& result,
+Plot plot_over(const SweptNumbers& numbers, const std::vector<SweptValues>& keys, const SweptResult& result,
                const std::vector<std::size_t>& except) {
   Plot plot{result.name, numbers.label(keys), label_of(result), {}};
   plot.scale = Scale::linear;
@@ -99,7 +99,7 @@ Plot plot_over(const Numbers& numbers, const std::vector<SweptValues>& keys, con
 }
 
 /// A map for each choice of the keys other than the two.
-std::size_t draw_maps(const Numbers& x, const Numbers& y, const std::vector<SweptValues>& keys,
+std::size_t draw_maps(const SweptNumbers& x, const SweptNumbers& y, const std::vector<SweptValues>& keys,
                       const SweptResult& result, const std::filesystem::path& directory) {
   std::vector<std::pair<std::string, ValueMap>> maps;
   for (std::size_t run = 0; run < result.values.size(); ++run) {
@@ -145,7 +145,7 @@ std::optional<std::vector<double>> si_values(const SweptValues& values) {
 
 std::size_t draw_result(const std::vector<SweptValues>& keys, const SweptResult& result,
                         const std::filesystem::path& directory) {
-  std::vector<Numbers> all;
+  std::vector<SweptNumbers> all;
   std::vector<std::size_t> sampled;
   for (std::size_t k = 0; k < keys.size(); ++k) {
     auto numbers = numbers_of(keys, k);
@@ -154,17 +154,17 @@ std::size_t draw_result(const std::vector<SweptValues>& keys, const SweptResult&
   }
   if (all.empty()) return 0;
   std::size_t count = 0;
-  for (const Numbers& numbers : all) {
+  for (const SweptNumbers& numbers : all) {
     if (!keys[numbers.key].is_sampled) continue;
     write(directory, result.name + "_over_" + keys[numbers.key].name, svg(plot_over(numbers, keys, result, sampled)));
     ++count;
   }
   if (count == 0) {
-    const Numbers& most = *std::ranges::max_element(all, {}, &Numbers::num_distinct);
+    const SweptNumbers& most = *std::ranges::max_element(all, {}, &SweptNumbers::num_distinct);
     write(directory, result.name, svg(plot_over(most, keys, result, {most.key})));
     count = 1;
   }
-  std::erase_if(all, [](const Numbers& numbers) { return numbers.num_distinct() < 2; });
+  std::erase_if(all, [](const SweptNumbers& numbers) { return numbers.num_distinct() < 2; });
   return count + (all.size() == 2 ? draw_maps(all[0], all[1], keys, result, directory) : 0);
 }
 

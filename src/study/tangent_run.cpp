@@ -177,6 +177,8 @@ void TangentRun::end_stage(NewtonSolver& solver, const StagePoint& stage, Vec q)
   if (is_whole) require(solve(system, stage.time + stage.load_factor, floor));
   system.end();
   for (Pair& pair : pairs_) {
+    // Frozen forces are those of the last trial.
+    if (coefficients_follow) pair.measure(true, r_.get());
     for (Neighbour* run : {pair.below.get(), pair.above.get()}) run->end_stage();
   }
 }

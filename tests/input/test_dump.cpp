@@ -86,7 +86,7 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
        "section: {width: "
        "1, height: 1, up: [0, 0, 1], torsion_constant: 1}, density: 1, youngs_modulus: 1, poissons_ratio: 0}, {name: "
        "x, "
-       "curve: c, radius: 1, density: 1, youngs_modulus: 1, poissons_ratio: 0}]"},
+       "curve: c, radius: 1, bending: true, density: 1, youngs_modulus: 1, poissons_ratio: 0}]"},
       {"shells",
        "[{name: s, surface: a, thickness: 1, density: 1, prestretch: [1, 1.1], direction: [1, 0, 0], damping: 1, "
        "viscosity: [{model: kelvin-voigt, shear: 1, bulk: 1}, {model: stiffness-proportional, time: 1}], "

@@ -248,6 +248,7 @@ class Documents(ProgramTest):
         (self.directory / "meshes").symlink_to(ROOT / "meshes")
         (self.directory / "docs").symlink_to(ROOT / "docs")
         write_cube(self.directory / "fruit.stl", (0, 0, 100), (20, 20, 120))
+        write_cube(self.directory / "needle.stl", (0, 0, -30), (1, 1, -10))
         for page, line, text in blocks("yaml"):
             part = yaml.load(text, UniqueKeys)
             if part is None:

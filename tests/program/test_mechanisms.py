@@ -388,6 +388,44 @@ joints:
         h = self.solve(self.chain("hinge", ', motion: "0.5*sin(9*t)"'), "method: implicit-midpoint, step: 10 ms, end: 0.2")
         np.testing.assert_allclose(h["b_rate"], 4.5 * np.cos(9 * h["time"]), atol=1e-11)
 
+    def test_bearings_in_loops(self):
+        """Other joints determine the rate of a bearing, and there are more bearings than free motions."""
+
+        def lost(h, friction, joint, *forces):
+            power = friction * np.hypot(*(h[f"{joint}_{force}"] for force in forces)) * np.abs(h[f"{joint}_rate"])
+            return np.sum(0.5 * (power[1:] + power[:-1]) * np.diff(h["time"]))
+
+        crank = (ROOT / "input/verification/slider_crank.yaml").read_text(encoding="utf-8").split("time:")[0]
+        h = self.solve(crank.replace("axis: [1, 0, 0]}", "axis: [1, 0, 0], bearing: {friction: 0.1}}"), "method: dirk33, step: 2 ms, end: 0.32")
+        self.assertAlmostEqual(h["dissipated_bearing_friction"][-1] / lost(h, 0.1, "guide", "fy", "fz"), 1, delta=5e-3)
+        bearing = ", bearing: {friction: 0.1, radius: 0.01}"
+        h = self.solve(f"""rigid_bodies:
+  - {{name: one, mass: 1, inertia: [0.01, 0.01, 0.01], center: [0, 0.25, 0]}}
+  - {{name: bar, mass: 1, inertia: [0.02, 0.02, 0.02], center: [0.4, 0.5, 0]}}
+  - {{name: two, mass: 1, inertia: [0.01, 0.01, 0.01], center: [0.8, 0.25, 0]}}
+joints:
+  - {{name: a, type: hinge, between: [ground, one], point: [0, 0, 0], axis: [0, 0, 1]{bearing}}}
+  - {{name: b, type: ball, between: [one, bar], point: [0, 0.5, 0]}}
+  - {{name: c, type: cylindrical, between: [bar, two], point: [0.8, 0.5, 0], axis: [0, 0, 1]}}
+  - {{name: d, type: hinge, between: [two, ground], point: [0.8, 0, 0], axis: [0, 0, 1]{bearing}}}
+loads: [{{gravity: [1, -9.81, 0]}}]
+""", "method: dirk33, step: 2 ms, end: 0.1")
+        both = sum(lost(h, 1e-3, joint, "fx", "fy") for joint in "ad")
+        self.assertAlmostEqual(h["dissipated_bearing_friction"][-1] / both, 1, delta=0.01)
+
+    def test_a_body_that_a_formula_moves_has_its_velocity(self):
+        text = """rigid_bodies:
+  - {name: a, mass: 1, inertia: [0.01, 0.01, 0.01], center: [0, 0, 0]}
+  - {name: b, mass: 1, inertia: [0.01, 0.01, 0.01], center: [0.5, 0, 0]}
+joints: [{name: h, type: hinge, between: [a, b], point: [0.2, 0, 0], axis: [0, 0, 1]}]
+constraints: [{volume: a, rigid: {translation: ["0.3*sin(5*t)", 0, 0], rotation: free}}]
+loads: [{gravity: [0, -9.81, 0]}]
+"""
+        self.write("in.yaml", text + "time: {method: dirk33, step: 5 ms, end: 0.5}\n")
+        self.assertNotIn("forbid", self.pliant("check", "in.yaml").stderr)
+        spin = [self.solve(text, f"method: {method}, step: 5 ms, end: 0.5")["a_wz"][-1] for method in ("dirk33", "symplectic-dirk22")]
+        self.assertAlmostEqual(spin[1], spin[0], delta=2e-3 * abs(spin[0]))
+
     def test_starts_that_joints_forbid_are_told(self):
         fist = """rigid_bodies: [{name: fist, mass: 20 g, inertia: [1e-6, 1e-6, 1e-6], center: [0, 0, 0.02]MORE}]
 joints: [{name: guide, type: KIND, between: [ground, fist], point: [0, 0, POINT], axis: AXIS}]

@@ -376,18 +376,19 @@ std::vector<Mechanism::Violation> Mechanism::violations(const Step& step, Vec q,
   const auto given_now = joints_.given(step.time, step.dt, 1.0, 1.0, Side::after);
   JointSystem::Given resting = given_now;
   for (auto& series : resting) series = {series.value, 0.0, 0.0};
-  std::vector<BodyMotion<double>> values, rates_of_parts;
+  std::vector<BodyMotion<double>> values, rates_of_parts, resting_rates;
   double fastest = 0.0;
-  for (const auto& state : at) {
-    values.push_back(state.motion());
-    rates_of_parts.push_back(state.rate());
-    fastest = std::max(fastest, norm(state.velocity) + size_ * norm(state.omega));
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    values.push_back(at[p].motion());
+    rates_of_parts.push_back(at[p].rate());
+    resting_rates.push_back(parts_[p]->state(q, v).rate());
+    fastest = std::max(fastest, norm(at[p].velocity) + size_ * norm(at[p].omega));
   }
   Vector g;
   Matrix G;
   joints_.configuration(motions(at), Along::columns, given_now, g, G);
   const Vector moving = joints_.rates(values, rates_of_parts, given_now),
-               still = joints_.rates(values, rates_of_parts, resting);
+               still = joints_.rates(values, resting_rates, resting);
   std::vector<Violation> result(joints_.num_joints());
   for (Eigen::Index e = 0; e < g.size(); ++e) {
     auto& [distance, speed] = result[joints_.joint_of(e)];

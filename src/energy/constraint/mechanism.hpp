@@ -5,6 +5,7 @@
 #include "energy/rigid/joint_bearing.hpp"
 #include "energy/rigid/joint_system.hpp"
 
+#include <algorithm>
 #include <eigen3/Eigen/Core>
 #include <eigen3/Eigen/LU>
 #include <memory>
@@ -70,7 +71,9 @@ class Mechanism final : public DependentNodes {
   std::vector<const RigidPart*> parts() const override;
   std::vector<BodyMotion<double>> allowed_velocities(std::size_t part) const override;
 
-  bool is_driven() const override { return joints_.is_driven(); }
+  bool is_driven() const override {
+    return joints_.is_driven() || std::ranges::any_of(parts_, [](const auto& part) { return part->is_moved(); });
+  }
   bool refreezes() const override { return !bearings_.empty(); }
   void refreeze(std::span<const double> unknowns, Vec r) override;
   /// The largest effort of friction in a bearing, from the load that it carries in a stage (StageEquation::refreeze).

@@ -111,6 +111,8 @@ class RigidPart final : public DependentNodes {
     BodyMotion<double> rate() const;
   };
   RigidState state(const Step& step, Side side, Vec q, Vec v) const;
+  /// Whether a formula of time moves it. Not collective.
+  bool is_moved() const { return motion_.rigid->depends_on_time(); }
   /// The same without what is prescribed: as it is. Collective.
   RigidState state(Vec q, Vec v) const;
   /// Moves a state by unknowns, and changes its velocities by rates of them.

@@ -22,6 +22,26 @@ BodyMotion<Dual<double>> along(const BodyMotion<double>& x, const BodyMotion<dou
   return result;
 }
 
+/// Unit rows of which less than this is left beyond others depend on these.
+constexpr double dependent = 1e-4;
+
+/// Whether the rows of D are independent of those of G, and of one another.
+bool are_independent(const JointSystem::Matrix& G, const JointSystem::Matrix& D) {
+  JointSystem::Matrix rows(G.rows() + D.rows(), G.cols());
+  rows << G, D;
+  auto qr = JointSystem::Matrix(rows.rowwise().normalized().transpose()).colPivHouseholderQr();
+  qr.setThreshold(dependent);
+  return qr.rank() == rows.rows();
+}
+
+JointSystem::Vector forces_of_joints(const JointSystem::Matrix& G, const JointSystem::Matrix& D,
+                                     const JointSystem::Vector& phi) {
+  if (!are_independent(G, D)) return JointSystem::Matrix(G * G.transpose()).partialPivLu().solve(G * phi);
+  const auto square = JointSystem::Matrix(D * D.transpose()).partialPivLu();
+  const JointSystem::Matrix projected = G - G * D.transpose() * square.solve(D);
+  return JointSystem::Matrix(projected * G.transpose()).partialPivLu().solve(projected * phi);
+}
+
 }  // namespace
 
 double largest_friction(const JointBearing& bearing, const JointReaction& reaction, const Vector3<double>& n) {
@@ -67,17 +87,15 @@ JointSystem::Matrix JointBearings::slopes(std::span<const PartMotion> parts, std
 }
 
 // phi = G^T lambda + D^T s, D the slopes and s any friction: with the projection P = I - D^T (D D^T)^-1 D, which
-// removes D^T s, (G P G^T) lambda = G P phi.
+// removes D^T s, (G P G^T) lambda = G P phi. Where the joints determine a rate of D, as in loops with more bearings
+// than free motions, that matrix is singular. There s is the friction in force, which phi contains: G^T lambda = phi.
 void JointBearings::measure(std::span<const PartMotion> parts, const JointSystem& joints,
                             const JointSystem::Given& given, const JointSystem::Vector& phi) {
   JointSystem::Vector g;
   JointSystem::Matrix G;
   joints.configuration(parts, JointSystem::Along::test_columns, given, g, G);
   const JointSystem::Matrix D = slopes(parts, joints.first());
-  const auto square = JointSystem::Matrix(D * D.transpose()).completeOrthogonalDecomposition();
-  const JointSystem::Matrix projected = G - G * D.transpose() * square.solve(D);
-  const JointSystem::Vector lambda =
-      JointSystem::Matrix(projected * G.transpose()).partialPivLu().solve(projected * phi);
+  const JointSystem::Vector lambda = forces_of_joints(G, D, phi);
   std::vector<Vector3<double>> points;
   for (const JointBearing& bearing : bearings_) {
     points.resize(std::max(points.size(), bearing.joint + 1));
