@@ -1,10 +1,8 @@
 // Rods: derivatives, digits, objectivity, masses, and the same numbers on every number of ranks.
-#include "energy/equation/incremental_potential.hpp"
 #include "energy/rod/rod_viscosity.hpp"
+#include "energy/rod/term_on_rod.hpp"
 #include "energy/solid.hpp"
-#include "fem/cells.hpp"
 #include "mesh/rod_chain.hpp"
-#include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -18,28 +16,24 @@
 namespace pliant::test_rods {
 namespace {
 
-const std::vector<std::array<double, 3>> curve{{0.0, 0.0, 0.0}, {0.3, 0.0, 0.1}, {0.5, 0.2, 0.0},
-                                               {0.6, 0.5, 0.1}, {0.4, 0.7, 0.3}, {0.1, 0.8, 0.2}};
+using namespace on_rod;  // NOLINT(google-build-using-namespace)
+
 constexpr double mass_of_segment = 2.0;
 
-/// Which of its terms acts.
-enum class Acts { elasticity, viscosity };
-
 /// A bent rod whose first section is held: segment 0 is that section.
-class BentRod {
+class BentRod : public TermOnRod {
  public:
-  explicit BentRod(MPI_Comm comm, int order = 1, Acts acts = Acts::elasticity) {
-    AddedRod rod;
-    rod.name = "rod";
-    rod.points = curve;
-    rod.arms = {0.05, 0.03};
-    rod.up = {0.1, 0.2, 1.0};
-    rod.has_end = {true, false};
-    MeshSource source;
-    source.added_rods = {rod};
-    const Mesh mesh = read_mesh(comm, source);
-    layout_ = make_layout(mesh, order);
-    pattern_ = std::make_unique<BlockPattern>(layout_);
+  explicit BentRod(MPI_Comm comm, int order = 1, Acts acts = Acts::elasticity) : BentRod(comm, order, acts, held()) {}
+  const Rods& term() const { return *term_; }
+
+ private:
+  static AddedRod held() {
+    AddedRod result = rod();
+    result.up = {0.1, 0.2, 1.0};
+    result.has_end = {true, false};
+    return result;
+  }
+  BentRod(MPI_Comm comm, int order, Acts acts, const AddedRod& rod) : TermOnRod(comm, order, rod) {
     const RodChain chain = rod_chain(rod, rod.points);
     std::vector<RodSegment> segments;
     std::vector<RodVertex> vertices;
@@ -60,94 +54,15 @@ class BentRod {
       vertices.push_back(
           {segments.size() - 2, 0.1 + 0.05 * static_cast<double>(vertices.size()), {1.3, 0.7}, 0.9, 0.03});
     }
-    const std::vector<char> is_segment(static_cast<std::size_t>(layout_.num_local_cells), 1);
-    term_ = std::make_unique<Rods>(layout_, is_segment, std::move(segments), std::move(vertices));
-    const std::vector<char> prescribed(3 * static_cast<std::size_t>(layout_.num_local_nodes), 0);
-    prescribed_ = prescribed;
+    const std::vector<char> is_segment(static_cast<std::size_t>(layout().num_local_cells), 1);
+    term_ = std::make_unique<Rods>(layout(), is_segment, std::move(segments), std::move(vertices));
     viscosity_ = std::make_unique<RodViscosity>(*term_);
-    const EnergyTerm* acting =
-        acts == Acts::elasticity ? static_cast<const EnergyTerm*>(term_.get()) : viscosity_.get();
-    potential_ =
-        std::make_unique<IncrementalPotential>(layout_, *pattern_, std::vector<const EnergyTerm*>{acting}, prescribed_);
-    q0_ = potential_->make_vector();
-    v0_ = potential_->make_vector();
-    if (acts == Acts::viscosity) check(VecCopy(rough(0.03, 2.2).get(), q0_.get()));
-    stage_.dt = 0.1;
-    stage_.q0 = q0_.get();
-    stage_.v0 = v0_.get();
-    potential_->begin_stage(stage_);
+    act(acts == Acts::elasticity ? static_cast<const EnergyTerm&>(*term_) : *viscosity_, acts);
   }
 
-  template <class Field>
-  Handle<Vec> vector(Field field) const {
-    Handle<Vec> x = potential_->make_vector();
-    const ArrayView entries(x.get());
-    for (PetscInt n = 0; n < layout_.num_owned_nodes; ++n) {
-      const Vector3<double> u = field(Vector3<double>(layout_.position(n)));
-      for (std::size_t i = 0; i < 3; ++i) entries[3 * n + static_cast<PetscInt>(i)] = u[i];
-    }
-    return x;
-  }
-  Handle<Vec> rough(double amount, double phase) const {
-    return vector([&](const Vector3<double>& X) {
-      return Vector3<double>{amount * std::sin(5.0 * X[0] + 3.0 * X[1] + phase), amount * std::cos(7.0 * X[2] - phase),
-                             amount * std::sin(4.0 * X[1] - 6.0 * X[2] + 2.0 * phase)};
-    });
-  }
-  IncrementalPotential& potential() { return *potential_; }
-  Vec start() const { return q0_.get(); }
-  double dt() const { return stage_.dt; }
-  const Rods& term() const { return *term_; }
-  const NodeLayout& layout() const { return layout_; }
-  const BlockPattern& pattern() const { return *pattern_; }
-  double energy(Vec q) { return potential_->accounts().energies({0.0, 1.0, nullptr}, q, nullptr).front(); }
-
- private:
-  NodeLayout layout_;
-  std::unique_ptr<BlockPattern> pattern_;
   std::unique_ptr<Rods> term_;
   std::unique_ptr<RodViscosity> viscosity_;
-  std::vector<char> prescribed_;
-  std::unique_ptr<IncrementalPotential> potential_;
-  Handle<Vec> q0_, v0_;
-  StagePoint stage_;
 };
-
-Handle<Vec> moved(Vec q, double h, Vec d) {
-  Handle<Vec> x;
-  check(VecDuplicate(q, x.out()));
-  check(VecWAXPY(x.get(), h, d, q));
-  return x;
-}
-
-double size(Vec x) {
-  double result = 0.0;
-  check(VecNorm(x, NORM_2, &result));
-  return result;
-}
-
-double product(Vec x, Vec y) {
-  double result = 0.0;
-  check(VecDot(x, y, &result));
-  return result;
-}
-
-/// The Hessian at q, along d, is that of differences of the gradient.
-void expect_hessian_of_differences(IncrementalPotential& potential, Vec q, Vec d, double least) {
-  constexpr double h = 1e-6;
-  const Handle<Vec> ahead = moved(q, h, d), behind = moved(q, -h, d);
-  const Handle<Vec> before = potential.make_vector(), after = potential.make_vector(), y = potential.make_vector();
-  const Handle<Mat> K = potential.make_hessian();
-  potential.hessian(q, K.get(), Projection::none);
-  check(MatMult(K.get(), d, y.get()));
-  potential.gradient(ahead.get(), after.get());
-  potential.gradient(behind.get(), before.get());
-  check(VecAXPY(after.get(), -1.0, before.get()));
-  check(VecScale(after.get(), 0.5 / h));
-  ASSERT_GT(size(y.get()), least);
-  check(VecAXPY(after.get(), -1.0, y.get()));
-  EXPECT_LT(size(after.get()), 1e-7 * size(y.get()));
-}
 
 class RodTerm : public ::testing::TestWithParam<int> {};
 
@@ -168,7 +83,7 @@ TEST_P(RodTerm, DerivativesAreThoseOfDifferences) {
       const double slope = (potential.value(ahead.get()) - potential.value(behind.get())) / (2.0 * h);
       EXPECT_NEAR(product(r.get(), d.get()), slope, 1e-7 * size(r.get()));
     } else {
-      EXPECT_LT(size(r.get()), 1e-11);  // at rest in the given curve
+      EXPECT_LT(size(r.get()), 1e-11);  // at rest in the given bent_curve
     }
     expect_hessian_of_differences(potential, q.get(), d.get(), 1.0);
   }
@@ -176,14 +91,7 @@ TEST_P(RodTerm, DerivativesAreThoseOfDifferences) {
 
 TEST_P(RodTerm, ViscosityHasTheHessianOfItsForcesAndDissipatesTheirPower) {
   BentRod rod(MPI_COMM_WORLD, GetParam(), Acts::viscosity);
-  IncrementalPotential& potential = rod.potential();
-  const Handle<Vec> q = rod.rough(0.06, 0.3), d = rod.rough(1.0, 1.1), r = potential.make_vector();
-  expect_hessian_of_differences(potential, q.get(), d.get(), 0.1);
-  const Handle<Vec> v = moved(q.get(), -1.0, rod.start());
-  check(VecScale(v.get(), 1.0 / rod.dt()));
-  const TermPower power = potential.accounts().powers(q.get(), v.get(), r.get()).back();
-  EXPECT_GT(power.dissipated, 0.01);
-  EXPECT_NEAR(-power.exerted, power.dissipated, 1e-11 * power.dissipated);
+  expect_dissipation(rod);
 }
 
 TEST_P(RodTerm, ProjectedHessianIsPositiveSemidefinite) {
@@ -235,7 +143,7 @@ TEST(RodMass, IsThatOfTheRod) {
   CellGroups<1> none;
   MassMatrix mass = make_mass_matrix<1>(layout, pattern, none, {}, Mass::consistent);
   rod.term().add_masses(pattern, mass);
-  const double total = mass_of_segment * static_cast<double>(curve.size() - 1);
+  const double total = mass_of_segment * static_cast<double>(bent_curve.size() - 1);
   EXPECT_NEAR(sum(MPI_COMM_WORLD, mass.total()), total, 1e-12 * total);
   double weight = 0.0;
   for (const MassAtNode& at : rod.term().masses(std::vector<char>(rod.term().num_segments(), 1))) weight += at.mass;
@@ -247,8 +155,8 @@ TEST(RodMass, IsThatOfTheRod) {
     for (const double x : cross(omega, Vector3<double>(layout.position(n)))) v.push_back(x);
   }
   double expected = 0.0;
-  for (std::size_t s = 1; s < curve.size(); ++s) {
-    const Vector3<double> a = curve[s - 1], b = curve[s], t = unit(b - a);
+  for (std::size_t s = 1; s < bent_curve.size(); ++s) {
+    const Vector3<double> a = bent_curve[s - 1], b = bent_curve[s], t = unit(b - a);
     const Vector3<double> up = unit(Vector3<double>{0.1, 0.2, 1.0}), d = unit(up - dot(up, t) * t);
     const auto square = [&](const Vector3<double>& x) { return dot(cross(omega, x), cross(omega, x)); };
     expected += 0.5 * (mass_of_segment * square(0.5 * (a + b)) + 0.01 * square(t) + 0.003 * square(d) +
@@ -258,19 +166,9 @@ TEST(RodMass, IsThatOfTheRod) {
 }
 
 TEST_P(RodTerm, NumbersAreThoseOfOneRank) {
-  const auto numbers = [](MPI_Comm comm) {
-    BentRod rod(comm, GetParam());
-    const Handle<Vec> q = rod.rough(0.08, 0.3), d = rod.rough(1.0, 1.1), r = rod.potential().make_vector(),
-                      y = rod.potential().make_vector();
-    rod.potential().gradient(q.get(), r.get());
-    const Handle<Mat> K = rod.potential().make_hessian();
-    rod.potential().hessian(q.get(), K.get(), Projection::positive_semidefinite);
-    check(MatMult(K.get(), d.get(), y.get()));
-    return std::vector{rod.potential().value(q.get()), rod.energy(q.get()), size(r.get()), product(r.get(), d.get()),
-                       size(y.get())};
-  };
-  const auto here = numbers(MPI_COMM_WORLD), alone = numbers(MPI_COMM_SELF);
-  for (std::size_t k = 0; k < here.size(); ++k) EXPECT_NEAR(here[k], alone[k], 1e-12 * std::abs(alone[k])) << k;
+  BentRod here(MPI_COMM_WORLD, GetParam()), alone(MPI_COMM_SELF, GetParam());
+  const std::vector<double> numbers = numbers_of(here), expected = numbers_of(alone);
+  for (std::size_t k = 0; k < numbers.size(); ++k) EXPECT_NEAR(numbers[k], expected[k], 1e-12 * std::abs(expected[k]));
 }
 
 }  // namespace
