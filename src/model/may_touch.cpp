@@ -11,13 +11,7 @@ namespace pliant {
 std::vector<double> MayTouch::moduli(const Config& config, const std::vector<double>& shear_moduli) const {
   std::vector<double> result = shear_moduli;
   for (std::size_t b = 0; b < result.size(); ++b) result[b] = std::max(result[b], thin.shear_moduli[b]);
-  double stiffest = 0.0;
-  for (std::size_t b = 0; b < result.size(); ++b) {
-    if (!config.bodies[b].is_rigid) stiffest = std::max(stiffest, result[b]);
-  }
-  for (std::size_t b = 0; b < result.size(); ++b) {
-    if (config.bodies[b].is_rigid && stiffest > 0.0) result[b] = stiffest;
-  }
+  give_rigid_bodies_the_largest_modulus(config, result);
   return result;
 }
 

@@ -309,9 +309,16 @@ void set_moduli_of_rigid_bodies(const Config& config, std::vector<double>& shear
     shear_moduli[static_cast<std::size_t>(body - config.bodies.begin())] =
         wave_moduli(ElasticityRule(shell.elasticity).law_at(0, {})).smallest;
   }
-  const double stiffest = shear_moduli.empty() ? 0.0 : std::ranges::max(shear_moduli);
+  give_rigid_bodies_the_largest_modulus(config, shear_moduli);
+}
+
+void give_rigid_bodies_the_largest_modulus(const Config& config, std::vector<double>& shear_moduli) {
+  double largest = 0.0;
   for (std::size_t b = 0; b < config.bodies.size(); ++b) {
-    if (config.bodies[b].is_rigid) shear_moduli[b] = stiffest > 0.0 ? stiffest : modulus_between_rigid_bodies;
+    if (!config.bodies[b].is_rigid) largest = std::max(largest, shear_moduli[b]);
+  }
+  for (std::size_t b = 0; b < config.bodies.size(); ++b) {
+    if (config.bodies[b].is_rigid) shear_moduli[b] = largest > 0.0 ? largest : modulus_between_rigid_bodies;
   }
 }
 

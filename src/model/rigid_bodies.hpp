@@ -56,6 +56,8 @@ void set_velocities_of_rigid_bodies(const Config& config, const NodeLayout& layo
 /// Sets the moduli of free shells, and of rigid bodies that of the stiffest other body: the stiffness of their contact
 /// follows from these.
 void set_moduli_of_rigid_bodies(const Config& config, std::vector<double>& shear_moduli);
+/// Only the last of it: rigid bodies get the largest modulus of all others.
+void give_rigid_bodies_the_largest_modulus(const Config& config, std::vector<double>& shear_moduli);
 
 /// The surfaces of other bodies whose mean motion a rigid one follows, and all that it holds, attached or coupled.
 std::vector<Selection> coupled_surfaces(const BodyConfig& body);

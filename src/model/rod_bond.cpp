@@ -80,9 +80,10 @@ class SectionPoints {
   /// On each arc of the circle that lies in one of the cells around it, the middle, or Gauss's two points if it is more
   /// than a quarter: the choice of the directors makes no difference.
   void add_arcs(std::span<const std::array<PetscInt, 2>> around, std::vector<SectionPoint>& points) const {
-    const double quarter = 0.5 * std::numbers::pi, gauss = 0.5 / std::numbers::sqrt3;
+    // A quarter is common, in meshes of boxes, and one point of it or two are not the same.
+    const double quarter = (1.0 + 1e-6) * 0.5 * std::numbers::pi, gauss = 0.5 / std::numbers::sqrt3;
     for (const auto& [a, b] : around) {
-      const double from = angle_of(a), arc = std::remainder(angle_of(b) - from, 4.0 * quarter);
+      const double from = angle_of(a), arc = std::remainder(angle_of(b) - from, 2.0 * std::numbers::pi);
       const auto add = [&](double part, double weight) {
         const double angle = from + part * arc;
         points.push_back(point({std::cos(angle), std::sin(angle)}, weight * std::abs(arc)));
@@ -137,7 +138,11 @@ std::vector<SectionPoint> points_of_sections(const BodiesOnMesh& bodies, std::sp
     if (config.curve.empty() || !(modulus > 0.0)) continue;
     const SectionPoints section(bodies.layout, segment, modulus);
     const auto& cells = around.at(std::minmax(segment.nodes[0], segment.nodes[1]));
-    config.section || cells.empty() ? section.add_ends(result) : section.add_arcs(cells, result);
+    if (config.section || cells.empty()) {
+      section.add_ends(result);
+    } else {
+      section.add_arcs(cells, result);
+    }
   }
   return result;
 }

@@ -161,9 +161,9 @@ std::optional<double> least_shear_modulus(const Config& config) {
   for (const BodyConfig& body : config.bodies) {
     if (!body.elasticity) continue;
     try {
-      const ElasticityRule rule(*body.elasticity);
-      if (!rule.is_uniform()) return std::nullopt;
-      const double modulus = wave_moduli(rule.law_at(0, {})).smallest;
+      const auto law = ElasticityRule(*body.elasticity).up_to_rotation();
+      if (!law) return std::nullopt;
+      const double modulus = wave_moduli(*law).smallest;
       least = std::min(least.value_or(modulus), modulus);
     } catch (const InputError&) {
       return std::nullopt;  // it is reported where the law is made

@@ -107,6 +107,14 @@ ThinBodies find_thin_bodies(const Config& config, const NodeLayout& layout, cons
     if (body.surface && !held.empty()) thin.held.emplace_back(body.name, std::move(held));
   }
   add_segments(config, layout, body_of_cell, rods, thin);
+  std::vector<double> num_segments(thin.names.size(), 0.0);
+  for (const PetscInt cell : thin.cells) {
+    num_segments[static_cast<std::size_t>(body_of_cell[static_cast<std::size_t>(cell)])] += 1.0;
+  }
+  sum_in_place(layout.comm, num_segments);
+  for (std::size_t b = 0; b < num_segments.size(); ++b) {
+    if (num_segments[b] == 0.0) thin.shear_moduli[b] = 0.0;
+  }
   return thin;
 }
 

@@ -16,7 +16,7 @@ namespace pliant {
 struct ThinBodies {
   std::vector<double> thickness;     ///< of each body of the completed input [m]; 0: it is a solid
   std::vector<char> is_rod;          ///< of each body
-  std::vector<double> shear_moduli;  ///< of rods [Pa]; 0: it is another body
+  std::vector<double> shear_moduli;  ///< of rods with `segments` [Pa]; 0: it is another body
   std::vector<std::string> names;    ///< of each body
   /// The segments of rods, as facets (segment_as_facet), but for those whose nodes are both nodes of a solid, in which
   /// they lie.

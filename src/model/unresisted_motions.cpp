@@ -96,12 +96,12 @@ std::optional<Diagnostic> find_unresisted_motion(const Config& config, const Con
   }
   const Matrix motions = unresisted(free, seen);
   if (motions.cols() == 0) return std::nullopt;
-  // A center that is at rest in one configuration alone, as at a dead center, may be held by its weight.
+  // A center that is at rest in one configuration alone, as at a dead center, may be held by its weight. Another
+  // configuration: a tenth of the size away, by no two free motions alike.
   Vector moved(free.cols());
   for (Eigen::Index k = 0; k < moved.size(); ++k) moved[k] = 0.1 * std::sin(1.0 + 1.7 * static_cast<double>(k));
-  if (unresisted(bodies.mechanism->free_motions_near(bodies.mechanism->size() * moved), seen).cols() == 0) {
-    return std::nullopt;
-  }
+  const auto near = bodies.mechanism->free_motions_near(bodies.mechanism->size() * moved);
+  if (!near || unresisted(*near, seen).cols() == 0) return std::nullopt;
   const Vector sizes = motions.rowwise().norm();
   const auto rotation_of = [&](std::size_t p) { return unknowns_of_part * static_cast<Eigen::Index>(p) + 3; };
   std::vector<std::string> rotating;

@@ -178,10 +178,14 @@ std::optional<Diagnostic> warning_about(const MeshErrorWatch& watch, const Confi
                   100.0 * error.share, remedy, x, y, z)};
 }
 
-std::optional<Diagnostic> note_about_linear_elements(Model& model, const Config& config, const StepRecord& record) {
+std::optional<Diagnostic> note_about_linear_elements(Model& model, const Config& config, const StepRecord& record,
+                                                     const Energies& energies) {
   // A larger share of the energy than this means that a body is far too stiff, by half or more.
   constexpr double far_too_large = 0.3;
+  constexpr double little = 0.1;  // a body that came to rest under its weight keeps a third or more
   if (config.element != ElementOrder::p1 || model.elastic().empty()) return std::nullopt;
+  const double lost = energies.dissipated + std::max(energies.numerical_dissipation, 0.0);
+  if (energies.elastic < little * (energies.elastic + energies.kinetic + lost)) return std::nullopt;
   const MeshError error = DiscretizationError(model).at(record);
   if (!(error.share > far_too_large)) return std::nullopt;
   const auto& [x, y, z] = error.place;

@@ -4,6 +4,7 @@
 
 #include "fem/patch_recovery.hpp"
 #include "model/model.hpp"
+#include "run/ledger.hpp"
 #include "run/simulation.hpp"
 
 #include <array>
@@ -71,8 +72,10 @@ bool asks_for_mesh_error(const Config& config);
 /// A line of the log; `when`: "t = 1 s".
 std::string in_words(const MeshErrorWatch& watch, std::string_view when);
 /// A note about linear elements that are far too coarse at the end of a run that does not ask for the error: one
-/// estimate, which costs about as much as a few evaluations of the forces. Nothing for quadratic elements. Collective.
-std::optional<Diagnostic> note_about_linear_elements(Model& model, const Config& config, const StepRecord& record);
+/// estimate, which costs about as much as a few evaluations of the forces. Nothing for quadratic elements, or where
+/// little of the energy is elastic then: what is left of larger deformations says nothing of these. Collective.
+std::optional<Diagnostic> note_about_linear_elements(Model& model, const Config& config, const StepRecord& record,
+                                                     const Energies& energies);
 
 /// A warning of a mesh that is too coarse.
 std::optional<Diagnostic> warning_about(const MeshErrorWatch& watch, const Config& config);

@@ -352,7 +352,7 @@ class Run {
   void report_mesh_error(std::string_view outcome) {
     if (!recorder_->fields().has_mesh_error()) {
       if (outcome != "done") return;
-      const auto note = note_about_linear_elements(model_, config_, record());
+      const auto note = note_about_linear_elements(model_, config_, record(), simulation_->ledger().energies());
       if (note) console_.report(*note);
       return;
     }

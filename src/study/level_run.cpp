@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -69,7 +70,9 @@ LevelRun run_level(const Config& config, Model& model, std::span<const RunNumber
   run.v = copy_of(simulation.record().v);
   run.steps = simulation.record().step;
   run.newton_iterations = simulation.solver_statistics().newton_iterations;
-  for (const RunNumber& number : numbers) run.results.push_back(number.of(history->table()));
+  for (const RunNumber& number : numbers) {
+    run.results.push_back(run.failure.empty() ? number.of(history->table()) : std::numeric_limits<double>::quiet_NaN());
+  }
   run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return run;
 }

@@ -384,9 +384,11 @@ joints:
         self.assertLess(variations[1], 1e-3)
         self.assertAlmostEqual(variations[0] / variations[1], 4, delta=1)
 
-    def test_moved_joints_have_their_velocities_with_every_method(self):
-        h = self.solve(self.chain("hinge", ', motion: "0.5*sin(9*t)"'), "method: implicit-midpoint, step: 10 ms, end: 0.2")
-        np.testing.assert_allclose(h["b_rate"], 4.5 * np.cos(9 * h["time"]), atol=1e-11)
+    def test_moved_joints_have_their_velocities(self):
+        for method in swept(METHODS, ("implicit-midpoint", "dirk33")):
+            with self.subTest(method):
+                h = self.solve(self.chain("hinge", ', motion: "0.5*sin(9*t)"'), f"method: {method}, step: 10 ms, end: 0.2")
+                np.testing.assert_allclose(h["b_rate"], 4.5 * np.cos(9 * h["time"]), atol=1e-11)
 
     def test_bearings_in_loops(self):
         """Other joints determine the rate of a bearing, and there are more bearings than free motions."""
@@ -446,6 +448,15 @@ joints: [{name: guide, type: KIND, between: [ground, fist], point: [0, 0, POINT]
         # About a point beside the center: the velocity that belongs to the rotation is missing.
         beside = told(", angular_velocity: [5, 0, 0]", "hinge", point="0.12", axis="[1, 0, 0]")
         self.assertIn("velocity = angular_velocity x arm", beside)
+        self.assertIn("'guide' of ground and fist by 0.5 m/s", beside)
+        pair = """rigid_bodies:
+  - {name: one, mass: 1, inertia: [0.01, 0.01, 0.01], center: [0, 0, 0]}
+  - {name: two, mass: 1, inertia: [0.01, 0.01, 0.01], center: [1, 0, 0]}
+joints: [{name: elbow, type: ball, between: [one, two], point: [0.5, 0, 0]}]
+initial: {displacement: ["x > 0.5 ? 0.0003 : 0", "x > 0.5 ? 0.0004 : 0", 0]}
+"""
+        self.write("in.yaml", pair + time)
+        self.assertIn("'elbow' of one and two by 0.0005 m", self.pliant("run", "in.yaml", "--quiet").stderr)
 
     def test_static_analyses_tell_of_free_rotations(self):
         strut = """rigid_bodies:

@@ -280,18 +280,23 @@ solver: {{newton: {{relative: 1e-12}}}}
             # Frames follow the first director, and the body shears sections a little: up to 4e-5. With four places of a section, 2e-3.
             np.testing.assert_allclose(turned(angle), reference, rtol=0, atol=1e-4 * np.abs(reference).max())
 
+    def write_bar_with_line(self, length, width, height, size):
+        """A square bar along x with a line `line` in it or on it, and surfaces `left` and `right`."""
+        self.write("bar.geo", f"""SetFactory("OpenCASCADE");
+Box(1) = {{0, 0, 0, {length}, {width}, {width}}};
+Point(101) = {{0, {width / 2}, {height}}}; Point(102) = {{{length}, {width / 2}, {height}}};
+Line(101) = {{101, 102}};
+BooleanFragments{{ Volume{{1}}; Delete; }}{{ Curve{{101}}; Delete; }}
+Physical Volume("bar") = {{1}};
+Physical Curve("line") = {{101}};
+Physical Surface("left") = Surface In BoundingBox {{-1e-6, -1, -1, 1e-6, 1, 1}};
+Physical Surface("right") = Surface In BoundingBox {{{length - 1e-6}, -1, -1, {length + 1e-6}, 1, 1}};
+Mesh.MeshSizeMax = {size};
+""")
+
     def test_fibres(self):
         # A thin wire near the lower side of a bar: without its bending, which counts for nothing, it has no frames.
-        self.write("bar.geo", """SetFactory("OpenCASCADE");
-Box(1) = {0, 0, 0, 0.05, 0.01, 0.01};
-Point(101) = {0, 0.005, 0.002}; Point(102) = {0.05, 0.005, 0.002};
-Line(101) = {101, 102};
-BooleanFragments{ Volume{1}; Delete; }{ Curve{101}; Delete; }
-Physical Volume("bar") = {1};
-Physical Curve("line") = {101};
-Physical Surface("left") = Surface In BoundingBox {-1e-6, -1, -1, 1e-6, 1, 1};
-Mesh.MeshSizeMax = 0.005;
-""")
+        self.write_bar_with_line(0.05, 0.01, 0.002, 0.005)
         text = """mesh: {file: bar.geo}
 bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.4}}]
 rods: [{name: wire, curve: line, radius: 0.05 mm, youngs_modulus: 1 GPa, poissons_ratio: 0.3, density: 7800, damping: 2 msMORE}]
@@ -330,23 +335,13 @@ solver: {newton: {relative: 1e-11}}
 
     def test_an_inextensible_fibre(self):
         # A wire on the side of a bar that is pulled: the bar curls, and the stiffer the wire, the less depends on its stiffness.
-        self.write("bar.geo", """SetFactory("OpenCASCADE");
-Box(1) = {0, 0, 0, 0.1, 0.02, 0.02};
-Point(101) = {0, 0.01, 0.02}; Point(102) = {0.1, 0.01, 0.02};
-Line(101) = {101, 102};
-BooleanFragments{ Volume{1}; Delete; }{ Curve{101}; Delete; }
-Physical Volume("bar") = {1};
-Physical Curve("wire") = {101};
-Physical Surface("left") = Surface In BoundingBox {-1e-6, -1, -1, 1e-6, 1, 1};
-Physical Surface("right") = Surface In BoundingBox {0.0999, -1, -1, 0.11, 1, 1};
-Mesh.MeshSizeMax = 0.012;
-""")
+        self.write_bar_with_line(0.1, 0.02, 0.02, 0.012)
         radius, of_bar = 1e-6, 1e6 * 4e-4  # so thin that it does not resist bending
         tips, stretches = [], []
         for ratio in (1e2, 1e3, 1e4, 1e6):
             h = self.solve(f"""mesh: {{file: bar.geo}}
 bodies: [{{density: 1000, elasticity: {{model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.45}}}}]
-rods: [{{name: wire, curve: wire, radius: {radius}, youngs_modulus: {ratio * of_bar / (np.pi * radius**2)}, poissons_ratio: 0.3, density: 1400, start: ground}}]
+rods: [{{name: wire, curve: line, radius: {radius}, youngs_modulus: {ratio * of_bar / (np.pi * radius**2)}, poissons_ratio: 0.3, density: 1400, start: ground}}]
 constraints: [{{surface: left, displacement: [0, 0, 0]}}]
 loads: [{{surface: right, traction: [2e5, 0, 0]}}]
 probes: [{{name: tip, point: [0.1, 0.01, 0.01]}}]

@@ -86,7 +86,7 @@ class DependentNodes {
   virtual bool refreezes() const { return false; }
   /// Freezes them at what they are at the unknowns, where the gradient of the potential is r; no r: at zero.
   virtual void refreeze(std::span<const double> /*unknowns*/, Vec /*r*/) {}
-  /// Whether they move by formulas of time besides what subtract_given removes. Not collective.
+  /// Whether formulas of time move them, or joints between them. Not collective.
   virtual bool is_driven() const { return false; }
   /// Removes what is prescribed from the velocities of the nodes.
   virtual void subtract_given(Vec v) const = 0;

@@ -52,9 +52,9 @@ Mechanism::Mechanism(const NodeLayout& layout, std::vector<std::unique_ptr<Rigid
   hosts_.resize(static_cast<std::size_t>(columns_.cols()));
 }
 
-JointSystem::Matrix Mechanism::free_motions_near(const Vector& moved) const {
+std::optional<JointSystem::Matrix> Mechanism::free_motions_near(const Vector& moved) const {
   Vector xi = preferred_ * moved;
-  if (!approach(xi)) return preferred_;
+  if (!approach(xi)) return std::nullopt;
   Vector g;
   Matrix G;
   joints_.configuration(motions(xi), Along::columns, given_, g, G);
@@ -392,9 +392,14 @@ std::vector<Mechanism::Violation> Mechanism::violations(const Step& step, Vec q,
   std::vector<Violation> result(joints_.num_joints());
   for (Eigen::Index e = 0; e < g.size(); ++e) {
     auto& [distance, speed] = result[joints_.joint_of(e)];
-    const double apart = std::abs(g[e]), rate = std::min(std::abs(moving[e]), std::abs(still[e]));
-    if (apart > rounding_of_places * size_) distance = std::max(distance, apart);
-    if (rate > rounding_of_velocities * fastest) speed = std::max(speed, rate);
+    // Rows of G are of length 1: of directions, g is about the arm of the bodies times an angle.
+    const double unit = joints_.is_length(e) ? 1.0 / joints_.scale(e) : 1.0;
+    distance = std::hypot(distance, unit * g[e]);
+    speed = std::hypot(speed, unit * std::min(std::abs(moving[e]), std::abs(still[e])));
+  }
+  for (auto& [distance, speed] : result) {
+    if (distance <= rounding_of_places * size_) distance = 0.0;
+    if (speed <= rounding_of_velocities * fastest) speed = 0.0;
   }
   return result;
 }

@@ -9,6 +9,7 @@
 #include <eigen3/Eigen/Core>
 #include <eigen3/Eigen/LU>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,8 +41,8 @@ class Mechanism final : public DependentNodes {
   double size() const { return size_; }
   std::size_t num_degrees_of_freedom() const { return hosts_.size(); }
   /// The motions that the joints leave near the reference configuration, where it is moved along free_motions() by
-  /// these numbers [m]; before the first stage. Collective.
-  JointSystem::Matrix free_motions_near(const JointSystem::Vector& moved) const;
+  /// these numbers [m]; nothing if the joints are not found to allow that. Before the first stage. Collective.
+  std::optional<JointSystem::Matrix> free_motions_near(const JointSystem::Vector& moved) const;
   /// The motions that the joints leave at the reference configuration: orthonormal columns in the unknowns of all
   /// parts.
   const JointSystem::Matrix& free_motions() const { return preferred_; }

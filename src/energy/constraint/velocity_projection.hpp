@@ -38,9 +38,10 @@ class VelocityProjection {
 enum class EndVelocities {
   projected,
   /// Those of the method, which the constraints allow except for an error of second order, unless formulas of time move
-  /// joints (DependentNodes::is_driven). A midpoint rule whose configurations fulfil quadratic constraints at both ends
-  /// keeps the energy of the motion; a projection takes some of it away in each step. Source: Gonzalez 1999, Mechanical
-  /// systems subject to holonomic constraints: differential-algebraic formulations and conservative integration.
+  /// joints or parts (DependentNodes::is_driven). A midpoint rule whose configurations fulfil quadratic constraints at
+  /// both ends keeps the energy of the motion; a projection takes some of it away in each step. Source: Gonzalez 1999,
+  /// Mechanical systems subject to holonomic constraints: differential-algebraic formulations and conservative
+  /// integration.
   of_method
 };
 

@@ -22,7 +22,8 @@ BodyMotion<Dual<double>> along(const BodyMotion<double>& x, const BodyMotion<dou
   return result;
 }
 
-/// Unit rows of which less than this is left beyond others depend on these.
+/// Unit rows of which less than this is left beyond others depend on these: the projection would magnify what is out of
+/// equilibrium by the inverse.
 constexpr double dependent = 1e-4;
 
 /// Whether the rows of D are independent of those of G, and of one another.

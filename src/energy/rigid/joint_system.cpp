@@ -47,6 +47,11 @@ BodyMotion<double> sum_of(double a, const BodyMotion<double>& x, const BodyMotio
 JointSystem::JointSystem(std::vector<JointEquation> equations, std::vector<std::size_t> first)
     : equations_(std::move(equations)), scales_(equations_.size(), 1.0), first_(std::move(first)) {}
 
+bool JointSystem::is_length(Eigen::Index equation) const {
+  const auto& kind = equations_[static_cast<std::size_t>(equation)].kind;
+  return !std::holds_alternative<Perpendicularity>(kind) && !std::holds_alternative<Turn>(kind);
+}
+
 bool JointSystem::is_driven() const {
   return std::ranges::any_of(equations_, [](const JointEquation& equation) { return equation.given() != nullptr; });
 }

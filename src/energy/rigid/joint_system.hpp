@@ -34,6 +34,10 @@ class JointSystem {
   bool empty() const { return equations_.empty(); }
   /// JointEquation::joint.
   std::size_t joint_of(Eigen::Index equation) const { return equations_[static_cast<std::size_t>(equation)].joint; }
+  /// Whether an equation is one of lengths, and not of directions, which are numbers.
+  bool is_length(Eigen::Index equation) const;
+  /// What its members in `configuration` and `rates` were multiplied by (scale_rows).
+  double scale(Eigen::Index equation) const { return scales_[static_cast<std::size_t>(equation)]; }
   /// Whether a formula of time moves a joint.
   bool is_driven() const;
   /// One more than the largest number of a joint.

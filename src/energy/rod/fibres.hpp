@@ -24,8 +24,8 @@ namespace pliant {
 /// change in rigid motions: every method keeps its order, and momenta are conserved.
 class Fibres final : public EnergyTerm {
  public:
-  /// `segments`: the same on every rank, edges of cells of the layout. Throws std::logic_error if one is not.
-  /// Collective.
+  /// `segments`: the same on every rank, edges of cells of the layout. Collective. Throws std::logic_error if an end of one
+  /// is not a corner of a cell.
   Fibres(const NodeLayout& layout, std::span<const FibreSegment> segments);
 
   std::string_view name() const override { return "rods"; }

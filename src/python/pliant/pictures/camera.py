@@ -22,7 +22,7 @@ class Camera:
         right = right / np.linalg.norm(right)
         return np.stack([right, np.cross(back, right), back])
 
-    def width_seen(self):
+    def height_seen(self):
         """What the picture's height shows in the depth of the target [m]."""
         return 2 * np.tan(np.radians(VIEW_ANGLE / 2)) * np.linalg.norm(self.position - self.target)
 

@@ -93,7 +93,7 @@ class Page:
     def _draw_scale(self, draw, camera):
         """A bar of a round length, as long as it is in the depth of the bodies' middle."""
         h = self._unit
-        length_of_pixel = camera.width_seen() / self.scene_size[1]
+        length_of_pixel = camera.height_seen() / self.scene_size[1]
         length = round_length(0.22 * self.scene_size[1] * length_of_pixel)
         factor, unit = prefixed("m", length)
         x, y, width = 17 * h, self.size[1] - 4.2 * h, length / length_of_pixel

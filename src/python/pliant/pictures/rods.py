@@ -36,9 +36,6 @@ class RodShapes:
         error = sum(np.abs(np.einsum("ij,ij->i", a, b)) for a, b in itertools.combinations(axes, 2))
         return error, np.linalg.norm(along, axis=1)
 
-    def __len__(self):
-        return len(self._nodes)
-
     def at(self, positions):
         """Segments x 4 x 3: both ends of the axis, then how the surface lies from it in two directions. `positions`: of the nodes."""
         x = positions[self._nodes]

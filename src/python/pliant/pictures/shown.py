@@ -56,7 +56,7 @@ class ShownMechanisms:
         is_line = part < first_joint
         if colour_of is not None and is_line.any():
             self.colours[is_line] = colour_of(mechanisms.tension[kept][is_line])
-        self.is_rod = np.array([mechanisms.kinds[p] == "rod" for p in part], dtype=bool)
+        self.is_rod = np.isin(names[part], rods.names)  # fibres have no cells, and are lines
         self._add_rods(rods, positions, names[part])
 
     def _add_rods(self, rods, positions, name_of_segment):
