@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""Contact between two bodies in Pliant and in CalculiX, side by side: seconds per step, and what both say of the contact.
+"""Contact between two bodies in Pliant, CalculiX and GetFEM, side by side: seconds per step, and what each says of the contact.
 
-  tools/bench_contact.py                      every case, one rank and two (needs Debian's calculix-ccx)
+  tools/bench_contact.py                      every case, one rank and two (needs Debian's calculix-ccx and python3-getfem)
   tools/bench_contact.py patch --ranks 2      one of them
 
 Same mesh, elastic constants, constraints and steps, one program after the other; let nothing else run meanwhile. CalculiX
-factorizes with SPOOLES, on as many threads as Pliant has ranks, and has contact by a penalty, face to face.
+factorizes with SPOOLES, on as many threads as Pliant has ranks, and has contact by a penalty, face to face. GetFEM factorizes
+with sequential MUMPS, and has contact by the same penalty, integrated over the upper face; it does the static cases on one rank.
 """
 import os
 import re
@@ -47,6 +48,47 @@ CASES = {
     "patch, quadratic": dict(coarse=0.16, fine=0.12, order=2, gap=1e-5, inset=0.0, E=125.0, nu=0.25, rho=0.0, steps=4, dt=0.0, push=0.01),
     "impact": dict(coarse=0.058, fine=0.05, order=1, gap=4e-4, inset=0.2, E=1e6, nu=0.3, rho=1000.0, steps=20, dt=2e-4, push=1.0),
 }
+
+
+# GetFEM's side of a static case; a program of its own, because it times its steps without the set-up.
+GETFEM = """import sys, time
+import getfem as gf
+path, order, E, nu, stiffness, steps, push = sys.argv[1], int(sys.argv[2]), *map(float, sys.argv[3:6]), int(sys.argv[6]), float(sys.argv[7])
+lower, upper, bottom, lid, lower_face, upper_face = range(1, 7)
+gf.util_trace_level(0), gf.util_warning_level(0)
+model = gf.Model("real")
+for name, value in dict(lam=E * nu / ((1 + nu) * (1 - 2 * nu)), mu=E / (2 * (1 + nu)), stiffness=stiffness).items():
+    model.add_initialized_data(name, [value])
+for name in ("way", "held"):
+    model.add_initialized_data(name, [0, 0, 0])
+spaces = {}
+for name, other in (("u_lower", upper), ("u_upper", lower)):
+    mesh = gf.Mesh("import", "gmsh", path)
+    mesh.del_convex(mesh.region(other)[0])
+    space = gf.MeshFem(mesh, 3)
+    space.set_classical_fem(order)
+    spaces[name] = (gf.MeshIm(mesh, gf.Integ(f"IM_TETRAHEDRON({2 if order == 1 else 5})")), space, mesh)
+    model.add_fem_variable(name, space)
+    model.add_isotropic_linearized_elasticity_brick(spaces[name][0], name, "lam", "mu")
+model.add_Dirichlet_condition_with_simplification("u_lower", bottom, "held")
+model.add_Dirichlet_condition_with_simplification("u_upper", lid, "way")
+model.add_penalized_contact_between_nonmatching_meshes_brick(spaces["u_upper"][0], "u_upper", "u_lower", "stiffness", upper_face,
+                                                             lower_face, 1)
+iterations, begin = 0, time.perf_counter()
+for k in range(1, steps + 1):
+    model.set_variable("way", [0, 0, -push * k / steps])
+    done, converged = model.solve("max_res", 1e-9, "max_iter", 50, "lsolver", "mumps")
+    if not converged:
+        sys.exit(f"no equilibrium in step {k}")
+    iterations += done
+seconds = time.perf_counter() - begin
+integration, space, mesh = spaces["u_lower"]
+constants = gf.MeshFem(mesh, 1)
+constants.set_classical_fem(0)
+full = lambda name: [model.variable(name)[0]] * constants.nbdof()
+forces = gf.asm_linear_elasticity(integration, space, constants, full("lam"), full("mu")).mult(model.variable("u_lower"))
+print(seconds, abs(forces[space.basic_dof_on_region(bottom)][2::3].sum()), iterations)
+"""
 
 
 class Failure(Exception):
@@ -133,9 +175,7 @@ def calculix_input(case, mesh):
     is_static = case["dt"] == 0.0
     text += f"*MATERIAL, NAME=rubber\n*ELASTIC\n{case['E']}, {case['nu']}\n" + ("" if is_static else f"*DENSITY\n{case['rho']}\n")
     text += "".join(f"*SOLID SECTION, ELSET={name}, MATERIAL=rubber\n" for name in ("lower", "upper"))
-    # A stiffer spring stops an impact on it.
-    stiffness = (50.0 if is_static else 10.0) * case["E"] / case["fine"]
-    text += f"*SURFACE INTERACTION, NAME=touch\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{stiffness:.6g}\n"
+    text += f"*SURFACE INTERACTION, NAME=touch\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{stiffness_of(case):.6g}\n"
     text += "*CONTACT PAIR, INTERACTION=touch, TYPE=SURFACE TO SURFACE\nS_upper_face, S_lower_face\n"
     text += "*BOUNDARY\nbottom, 1, 3\n"
     if is_static:
@@ -160,6 +200,21 @@ def calculix(case, mesh, threads, directory):
     return seconds / case["steps"], np.abs(forces).max(), iterations, size
 
 
+def stiffness_of(case):
+    """Of the peers' penalty [Pa/m]. A stiffer spring stops an impact on it."""
+    return (50.0 if case["dt"] == 0.0 else 10.0) * case["E"] / case["fine"]
+
+
+def getfem(case, directory):
+    script = os.path.join(directory, "two.py")
+    with open(script, "w", encoding="ascii") as file:
+        file.write(GETFEM)
+    numbers = [case["order"], case["E"], case["nu"], stiffness_of(case), case["steps"], case["push"]]
+    log, _ = run(["/usr/bin/python3", script, "two.msh", *map(str, numbers)], directory)
+    seconds, force, iterations = map(float, log.split()[-3:])
+    return seconds / case["steps"], force, int(iterations)
+
+
 def compare(name, ranks, directory):
     case = CASES[name]
     mesh = make_mesh(case, directory)
@@ -167,12 +222,17 @@ def compare(name, ranks, directory):
     for law in ("penalty", "barrier"):
         row[law] = pliant(case, ranks, directory, law)
     seconds, force, iterations, size = calculix(case, mesh, ranks, directory)
+    peers = {"CalculiX": (seconds, force, iterations)}
+    if case["dt"] == 0.0 and ranks == 1:
+        peers["GetFEM"] = getfem(case, directory)
+    fastest = min(seconds for seconds, _, _ in peers.values())
     # Of an impact nothing has come to the bottom yet.
     with_force = (lambda newtons: f", force {newtons:.4g} N") if case["dt"] == 0.0 else (lambda _: "")
-    print(f"{name}, {size} tetrahedra, {ranks} rank{'s' if ranks > 1 else ''}: CalculiX {seconds:.3g} s a step, {iterations} iterations"
-          f"{with_force(force)}")
+    print(f"{name}, {size} tetrahedra, {ranks} rank{'s' if ranks > 1 else ''}")
+    for peer, (seconds, force, iterations) in peers.items():
+        print(f"    {peer}: {seconds:.3g} s a step, {iterations} iterations{with_force(force)}")
     for law, (own, own_force, newton) in row.items():
-        print(f"    Pliant, {law}: {own:.3g} s a step, {newton} iterations{with_force(own_force)}; ratio {own / seconds:.2f}")
+        print(f"    Pliant, {law}: {own:.3g} s a step, {newton} iterations{with_force(own_force)}; ratio {own / fastest:.2f}")
     sys.stdout.flush()
 
 

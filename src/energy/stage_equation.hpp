@@ -102,8 +102,12 @@ class StageEquation {
   virtual double max_step(Vec q, Vec d) = 0;
   /// Whether a term is a wall, a barrier that must not be jumped over (TermDeclaration::is_wall).
   virtual bool has_walls() const { return false; }
-  /// The largest alpha for which q + alpha d crosses no wall.
-  virtual double max_step_to_wall(Vec /*q*/, Vec /*d*/) { return std::numeric_limits<double>::infinity(); }
+  /// Walls that a path meets: all, or those which only a path shows to be crossed (TermDeclaration::is_two_sided).
+  enum class Walls { all, two_sided };
+  /// The largest alpha for which q + alpha d crosses no such wall.
+  virtual double max_step_to_wall(Vec /*q*/, Vec /*d*/, Walls /*which*/) {
+    return std::numeric_limits<double>::infinity();
+  }
   /// Sum over the terms of the norms of their forces, including those on prescribed entries [N]: the size of the forces
   /// that must balance, to which residuals are compared.
   virtual double force_scale(Vec q) = 0;

@@ -103,9 +103,14 @@ struct TermDeclaration {
   bool depends_on_time = false;      ///< `energy_at` changes with time at a fixed configuration: `supply`
   bool rotates_with_body = true;     ///< its stiffness rotates with the body, as elastic stiffness does
   bool is_wall = false;              ///< its barrier separates states: no step may jump over it
+  bool is_two_sided = false;         ///< a wall beyond which its energy is finite again: only a path shows a crossing
   bool dissipates = false;           ///< it may dissipate energy; the ledger lists that under the term's name
   bool dissipates_by_state = false;  ///< by `dissipated`
 };
+
+/// A viscous force has no potential over a stage, and a Hessian that is not symmetric.
+inline constexpr TermDeclaration viscous_force{
+    .is_potential = false, .symmetry = Symmetry::unsymmetric, .dissipates = true};
 
 /// Where internal variables belong: EnergyTerm::internal_components of them.
 struct InternalPlace {

@@ -161,6 +161,7 @@ ProbeLocation locate_in_cell(const NodeLayout& layout, const CellGrid& grid, con
     const auto N = Tet<Order>::values(xi);
     best.nodes.assign(nodes.begin(), nodes.end());
     best.weights.assign(N.begin(), N.end());
+    best.cell = c;
     best.distance = 0.0;
   }
   return best;
@@ -170,18 +171,13 @@ ProbeLocation locate_in_cell(const NodeLayout& layout, const CellGrid& grid, con
 ProbeLocation locate_at_node(const NodeLayout& layout, const Point& X, std::span<const char> is_left_out) {
   ProbeLocation best;
   best.distance = not_here;
-  std::vector<char> is_wanted(static_cast<std::size_t>(layout.num_local_nodes), is_left_out.empty() ? 1 : 0);
-  for (PetscInt c = 0; c < layout.num_local_cells && !is_left_out.empty(); ++c) {
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
     if (is_out(is_left_out, c)) continue;
-    for (const PetscInt n : layout.nodes_of_cell(c)) is_wanted[static_cast<std::size_t>(n)] = 1;
-  }
-  for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
-    if (is_wanted[static_cast<std::size_t>(n)] == 0) continue;
-    const double d = distance(X, layout.position(n));
-    if (d >= best.distance) continue;
-    best.nodes = {n};
-    best.weights = {1.0};
-    best.distance = d;
+    for (const PetscInt n : layout.nodes_of_cell(c)) {
+      if (n >= layout.num_owned_nodes) continue;
+      const double d = distance(X, layout.position(n));
+      if (d < best.distance) best = {{n}, {1.0}, c, d};
+    }
   }
   return best;
 }

@@ -13,6 +13,7 @@ namespace pliant {
 struct ProbeLocation {
   std::vector<PetscInt> nodes;  ///< local nodes
   std::vector<double> weights;  ///< shape functions at the point
+  PetscInt cell = -1;           ///< local cell that contains the point, or has the nearest node; -1 on the other ranks
   double distance =
       0.0;  ///< from the wanted point to the one found [m]; > 0 if it lies outside the mesh. The same on every rank
 

@@ -20,6 +20,7 @@ struct FieldColumnConfig {
   /// shells or rods.
   std::optional<Located<std::string>> in;
   Take take = Take::max;
+  std::optional<Located<std::string>> at;  ///< name of a probe: the value there, whatever `take` is
   Location where;
 };
 

@@ -1,6 +1,7 @@
 #include "model/checks.hpp"
 
 #include "input/checks/volumetric.hpp"
+#include "input/output_fields.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/check.hpp"
 #include "petsc/collective.hpp"
@@ -78,6 +79,22 @@ void require_near(const NodeLayout& layout, const std::array<double, 6>& bounds,
                       fmt::format("probe '{}' lies outside the mesh, {:.3g} m from its nearest point ({:.4g}, {:.4g}, "
                                   "{:.4g}); positions are in metres, after 'mesh.scale', of the undeformed body",
                                   probes[p].name, nearest.distance, x, y, z)});
+  }
+  if (!errors.empty()) throw InputError(std::move(errors));
+}
+
+void require_bodies_at_probes(const Config& config, MPI_Comm comm, const std::vector<ProbeLocation>& locations,
+                              const std::vector<char>& stands_in) {
+  std::vector<Diagnostic> errors;
+  for (const FieldColumnConfig& column : config.output.history) {
+    const auto of = field_component(column.of.value);
+    if (!column.at || of->field.owner != FieldOwner::bodies) continue;
+    const auto probe = std::ranges::find(config.probes, column.at->value, &ProbeConfig::name);
+    const PetscInt cell = locations[static_cast<std::size_t>(probe - config.probes.begin())].cell;
+    if (!any_rank(comm, cell >= 0 && stands_in[static_cast<std::size_t>(cell)] != 0)) continue;
+    errors.push_back({Severity::error, column.at->where,
+                      fmt::format("probe '{}' lies on a body without tetrahedra, where the field '{}' is not",
+                                  probe->name, of->field.name)});
   }
   if (!errors.empty()) throw InputError(std::move(errors));
 }

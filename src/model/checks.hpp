@@ -50,6 +50,11 @@ void require_near(const NodeLayout& layout, const std::array<double, 6>& bounds,
 std::vector<Diagnostic> notes_of_distant_probes(const std::vector<ProbeLocation>& locations,
                                                 const std::vector<ProbeConfig>& probes);
 
+/// Throws InputError at columns that take a field of bodies at a probe on something without tetrahedra: `stands_in`,
+/// per local cell. Collective.
+void require_bodies_at_probes(const Config& config, MPI_Comm comm, const std::vector<ProbeLocation>& locations,
+                              const std::vector<char>& stands_in);
+
 /// Throws InputError if an initial displacement or velocity (`what`) is not finite at a node. Collective.
 void require_finite_initial(const Config& config, const NodeLayout& layout, const char* what, Vec values);
 

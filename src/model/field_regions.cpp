@@ -15,15 +15,17 @@
 namespace pliant {
 namespace {
 
+/// `hint`: what follows if there is nothing.
 FieldRegion volume_region(const NodeLayout& layout, const std::vector<char>& left_out, const Selection& part,
-                          Selections& selections) {
+                          const std::string& hint, Selections& selections) {
   FieldRegion region;
   const std::vector<char> is_in = selections.cells(part);
   for (PetscInt cell = 0; cell < layout.num_owned_cells; ++cell) {
     if (is_in[cell] != 0 && left_out[cell] == 0) region.cells.push_back(cell);
   }
   if (sum(layout.comm, static_cast<PetscInt64>(region.cells.size())) == 0) {
-    selections.report(part.where, fmt::format("{} contains no tetrahedron of a body with a mesh", describe(part)));
+    selections.report(part.where,
+                      fmt::format("{} contains no tetrahedron of a body with a mesh{}", describe(part), hint));
   }
   return region;
 }
@@ -93,8 +95,11 @@ FieldRegion region_of(const Config& config, const NodeLayout& layout, const std:
   } else if (has_free_shells(config) && !has_tetrahedra(config)) {
     return free_shells_region(config, layout, nullptr, selections);
   }
-  return part.kind == Selection::Kind::surface ? surface_region(layout, part, selections)
-                                               : volume_region(layout, left_out, part, selections);
+  if (part.kind == Selection::Kind::surface) return surface_region(layout, part, selections);
+  const bool is_rod = std::ranges::find(config.rods, part.name, &RodConfig::name) != config.rods.end();
+  return volume_region(layout, left_out, part,
+                       is_rod ? "; the fields of rods are rod_force, rod_bending_moment and rod_torque" : "",
+                       selections);
 }
 
 }  // namespace
@@ -106,7 +111,9 @@ std::vector<FieldRegion> find_field_regions(const Config& config, const NodeLayo
   for (const FieldColumnConfig& column : config.output.history) {
     const FieldOwner owner = field_component(column.of.value)->field.owner;
     FieldRegion region;
-    if (owner == FieldOwner::shells) {
+    if (column.at) {
+      // A probe.
+    } else if (owner == FieldOwner::shells) {
       region.parts = numbers_of(config.shells, column.in);
     } else if (owner == FieldOwner::rods) {
       region.parts = numbers_of(config.rods, column.in);

@@ -27,8 +27,9 @@ struct FieldRegion {
   }
 };
 
-/// One for each entry of `output.history`. Cells that stand for bodies without a mesh are left out; free shells are
-/// their triangles. Reports names that the mesh does not have to `selections`. Collective.
+/// One for each entry of `output.history`, empty for the value at a probe. Cells that stand for bodies without a mesh
+/// are left out; free shells are their triangles. Reports names that the mesh does not have to `selections`.
+/// Collective.
 std::vector<FieldRegion> find_field_regions(const Config& config, const NodeLayout& layout,
                                             const std::vector<int>& body_of_cell, Selections& selections);
 

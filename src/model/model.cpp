@@ -199,6 +199,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   }
   body_of_cell_ = selections.cells(parts);
   rods_ = make_rods(config, mesh, layout_, body_of_cell_, selections);
+  include(notes_about_fibres(config, rods_));
 
   shells_ = find_shells(config, layout_, selections);
   LoadParts load_parts =
@@ -263,6 +264,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   move_to_triangles(config, layout_, body_of_cell_, probes_);
   require_near(layout_, mesh_report_.bounds, probes_, config.probes);
   include(notes_of_distant_probes(probes_, config.probes));
+  require_bodies_at_probes(config, layout_.comm, probes_, cells_without_mesh(config, body_of_cell_));
 }
 
 void Model::find_components(const Config& config, Selections& selections) {

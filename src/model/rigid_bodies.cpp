@@ -350,6 +350,9 @@ AddedBodies names_of_added_bodies(const Config& config) {
     result.names.push_back(name);
     result.without_surface.push_back(std::move(name));
   }
+  for (const RodConfig& rod : config.rods) {
+    if (!rod.curve.empty()) result.on_curves.emplace_back(rod.name, rod.curve);
+  }
   for (const ShellConfig& shell : config.shells) {
     if (!shell.is_free) continue;
     result.names.push_back(shell.name);

@@ -2,7 +2,9 @@
 
 #include "base/vector3.hpp"
 #include "energy/load/spring.hpp"
+#include "fem/apexes.hpp"
 #include "fem/probe.hpp"
+#include "model/rigid_bodies.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -24,12 +26,25 @@ struct SectionPoint {
   double weight = 0.0;     // among those of the segment
   double stiffness = 0.0;  // of all points of the segment [N/m]
   std::array<double, 3> place{};
+  PetscInt third =
+      -1;  // of a free shell's triangle, with the segment's two, that holds it: local to the segment's rank
+  std::array<double, 3> weights{};  // of the triangle's corners, the third first
 };
 
-/// Nodes across the cells of bodies around segments: two of each cell, by the ends of the segment.
-using NodesAround = std::map<std::pair<PetscInt, PetscInt>, std::vector<std::array<PetscInt, 2>>>;
+/// What lies around a segment: two nodes of each cell of a body across it, one of each triangle of a free shell.
+struct Surroundings {
+  std::vector<std::array<PetscInt, 2>> cells;
+  std::vector<PetscInt> triangles;
+};
+/// By the ends of segments.
+using NodesAround = std::map<std::pair<PetscInt, PetscInt>, Surroundings>;
 
-/// Those of cells with a shear modulus, around the segments on this rank.
+bool is_of_free_shell(const Config& config, int body) {
+  return body >= 0 && static_cast<std::size_t>(body) < config.bodies.size() &&
+         config.bodies[static_cast<std::size_t>(body)].is_shell;
+}
+
+/// Of the segments on this rank, with what has a shear modulus.
 NodesAround nodes_around(const BodiesOnMesh& bodies, std::span<const double> shear_moduli,
                          std::span<const Rods::SegmentNodes> segments) {
   NodesAround result;
@@ -38,6 +53,16 @@ NodesAround nodes_around(const BodiesOnMesh& bodies, std::span<const double> she
     const int body = bodies.body_of_cell[static_cast<std::size_t>(c)];
     if (body < 0 || !(shear_moduli[static_cast<std::size_t>(body)] > 0.0)) continue;
     const auto corners = bodies.layout.nodes_of_cell(c).first(4);
+    if (is_of_free_shell(bodies.config, body)) {
+      const std::size_t apex = apex_of_cell(bodies.layout, c);
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (k == apex) continue;
+        const std::size_t i = (k + 1) % 4 == apex ? (k + 2) % 4 : (k + 1) % 4, j = 6 - apex - k - i;
+        const auto found = result.find(std::minmax(corners[i], corners[j]));
+        if (found != result.end()) found->second.triangles.push_back(corners[k]);
+      }
+      continue;
+    }
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t j = i + 1; j < 4; ++j) {
         const auto found = result.find(std::minmax(corners[i], corners[j]));
@@ -46,7 +71,7 @@ NodesAround nodes_around(const BodiesOnMesh& bodies, std::span<const double> she
         for (std::size_t k = 0, at = 0; k < 4; ++k) {
           if (k != i && k != j) others[at++] = corners[k];
         }
-        found->second.push_back(others);
+        found->second.cells.push_back(others);
       }
     }
   }
@@ -72,6 +97,7 @@ class SectionPoints {
  public:
   SectionPoints(const NodeLayout& layout, const Rods::SegmentNodes& segment, double modulus)
       : layout_(layout), segment_(segment.number) {
+    ends_ = {segment.nodes[0], segment.nodes[1]};
     const Vector3<double> x0 = layout.position(segment.nodes[0]), x1 = layout.position(segment.nodes[1]);
     middle_ = 0.5 * (x0 + x1);
     for (std::size_t k = 0; k < 2; ++k) arms_[k] = Vector3<double>(layout.position(segment.nodes[2 + k])) - middle_;
@@ -96,6 +122,22 @@ class SectionPoints {
       add(0.5 + gauss, 0.5);
     }
   }
+  /// In the plane of each triangle around, as far from the axis as the longer director.
+  void add_in_triangles(std::span<const PetscInt> thirds, std::vector<SectionPoint>& points) const {
+    const Vector3<double> along = layout_.position(ends_[1]) - layout_.position(ends_[0]);
+    const double length = norm(along), distance = std::max(norm(arms_[0]), norm(arms_[1]));
+    const Vector3<double> t = (1.0 / length) * along;
+    for (const PetscInt third : thirds) {
+      const Vector3<double> way = Vector3<double>(layout_.position(third)) - middle_;
+      const Vector3<double> across = way - dot(way, t) * t;
+      const double height = norm(across), weight = distance / height;
+      const auto part = [&](const Vector3<double>& arm) { return weight * dot(across, arm) / dot(arm, arm); };
+      SectionPoint& added = points.emplace_back(point({part(arms_[0]), part(arms_[1])}, 1.0));
+      const double difference = -2.0 * weight * dot(way, t) / length;  // of the weights of the segment's ends
+      added.third = third;
+      added.weights = {weight, 0.5 * (1.0 - weight - difference), 0.5 * (1.0 - weight + difference)};
+    }
+  }
   /// The ends of both directors, on both sides.
   void add_ends(std::vector<SectionPoint>& points) const {
     for (const double side : {1.0, -1.0}) {
@@ -115,6 +157,7 @@ class SectionPoints {
 
   const NodeLayout& layout_;
   std::size_t segment_;
+  std::array<PetscInt, 2> ends_{};
   Vector3<double> middle_{};
   std::array<Vector3<double>, 2> arms_{};
   double stiffness_ = 0.0;
@@ -137,8 +180,10 @@ std::vector<SectionPoint> points_of_sections(const BodiesOnMesh& bodies, std::sp
     const double modulus = modulus_at[static_cast<std::size_t>(segment.nodes[0])];
     if (config.curve.empty() || !(modulus > 0.0)) continue;
     const SectionPoints section(bodies.layout, segment, modulus);
-    const auto& cells = around.at(std::minmax(segment.nodes[0], segment.nodes[1]));
-    if (config.section || cells.empty()) {
+    const auto& [cells, triangles] = around.at(std::minmax(segment.nodes[0], segment.nodes[1]));
+    if (cells.empty() && !triangles.empty()) {
+      section.add_in_triangles(triangles, result);
+    } else if (config.section || cells.empty()) {
       section.add_ends(result);
     } else {
       section.add_arcs(cells, result);
@@ -156,7 +201,10 @@ void add_bond(const BodiesOnMesh& bodies, std::span<const double> shear_moduli, 
   std::vector<std::array<double, 3>> places;
   for (const SectionPoint& point : sections) places.push_back(point.place);
   if (places.empty()) return;
-  const auto held = locate(layout, places, bodies.is_left_out);
+  auto held = locate(layout, places, cells_without_mesh(bodies.config, bodies.body_of_cell));
+  for (std::size_t k = 0; k < sections.size(); ++k) {
+    if (sections[k].third >= 0) held[k] = {};
+  }
   // At a face of the body the part of the section that is inside does the work of the whole.
   std::map<std::size_t, double> weight_of;
   for (std::size_t k = 0; k < sections.size(); ++k) {
@@ -166,7 +214,7 @@ void add_bond(const BodiesOnMesh& bodies, std::span<const double> shear_moduli, 
   std::vector<AttachedPoint> points;
   std::vector<LineSpring> springs;
   for (std::size_t k = 0; k < sections.size(); ++k) {
-    const auto& [number, along, weight, stiffness, place] = sections[k];
+    const auto& [number, along, weight, stiffness, place, third, weights] = sections[k];
     if (held[k].distance > 0.0) continue;
     AttachedPoint of_rod;
     const auto segment = std::ranges::lower_bound(here, number, {}, &Rods::SegmentNodes::number);
@@ -175,6 +223,10 @@ void add_bond(const BodiesOnMesh& bodies, std::span<const double> shear_moduli, 
       const double of_ends = 0.5 * (1.0 - along[0] - along[1]);
       of_rod.location.nodes.assign(segment->nodes.begin(), segment->nodes.end());
       of_rod.location.weights = {of_ends, of_ends, along[0], along[1]};
+      if (third >= 0) {
+        held[k].nodes = {third, segment->nodes[0], segment->nodes[1]};
+        held[k].weights.assign(weights.begin(), weights.end());
+      }
     }
     points.push_back(std::move(of_rod));
     points.push_back({held[k], {}});

@@ -1,7 +1,9 @@
 #include "model/rods.hpp"
 
+#include "base/text.hpp"
 #include "energy/rod/rod_viscosity.hpp"
 #include "input/elasticity.hpp"
+#include "input/output_fields.hpp"
 #include "mesh/rod_chain.hpp"
 #include "petsc/collective.hpp"
 
@@ -12,6 +14,8 @@
 #include <numbers>
 #include <optional>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace pliant {
 namespace {
@@ -110,13 +114,14 @@ std::size_t append(const RodConfig& rod, const RodChain& chain, MassKind kind, P
 }
 
 /// Appends a fibre; returns the number of its first segment among those of fibres.
-std::size_t append(const RodConfig& rod, const RodChain& chain, std::vector<FibreSegment>& fibres) {
+std::size_t append(const RodConfig& rod, std::span<const std::array<double, 3>> points,
+                   std::vector<FibreSegment>& fibres) {
   const double area = section_of(rod).area;
   const std::size_t first = fibres.size();
-  for (const CornerPlaces& corners : chain.segments) {
-    const auto X = places(corners);
-    const double length = norm(X[1] - X[0]);
-    fibres.push_back({{X[0], X[1]}, length, rod.youngs_modulus * area, rod.density * area * length, rod.damping});
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    const Vector3<double> from = points[k - 1], to = points[k];
+    const double length = norm(to - from);
+    fibres.push_back({{from, to}, length, rod.youngs_modulus * area, rod.density * area * length, rod.damping});
   }
   return first;
 }
@@ -275,18 +280,17 @@ ModelRods make_rods(const Config& config, const Mesh& mesh, const NodeLayout& la
   const std::vector<AddedRod> added = added_rods(config);
   const std::vector<char> has_no_cells = have_no_cells(config, layout, body_of_cell);
   for (std::size_t r = 0; r < added.size(); ++r) {
-    const RodChain chain = rod_chain(added[r], points_of(added[r], mesh.curves));
+    const auto points = points_of(added[r], mesh.curves);
     ModelRod& rod = result.rods.emplace_back();
     rod.name = added[r].name;
     const auto is_its_body = [&](const BodyConfig& body) { return body.is_rod && body.part.name == rod.name; };
     rod.body = static_cast<int>(std::ranges::find_if(config.bodies, is_its_body) - config.bodies.begin());
     rod.is_fibre = has_no_cells[static_cast<std::size_t>(rod.body)] != 0;
-    rod.first_segment =
-        rod.is_fibre ? append(config.rods[r], chain, fibres) : append(config.rods[r], chain, config.mass, parts);
-    rod.points.resize(chain.segments.size() + 1);
-    for (const CornerPlaces& corners : chain.segments) {
-      const auto X = places(corners);
-      rod.length += norm(X[1] - X[0]);
+    rod.first_segment = rod.is_fibre ? append(config.rods[r], points, fibres)
+                                     : append(config.rods[r], rod_chain(added[r], points), config.mass, parts);
+    rod.points.resize(points.size());
+    for (std::size_t k = 1; k < points.size(); ++k) {
+      rod.length += norm(Vector3<double>(points[k]) - Vector3<double>(points[k - 1]));
     }
   }
   const auto is_damped = [&](bool is_fibre) {
@@ -313,6 +317,34 @@ ModelRods make_rods(const Config& config, const Mesh& mesh, const NodeLayout& la
   }
   put_axes(layout, result);
   return result;
+}
+
+std::vector<Diagnostic> notes_about_fibres(const Config& config, const ModelRods& rods) {
+  std::vector<Diagnostic> notes;
+  std::vector<std::string> fibres;
+  for (const ModelRod& rod : rods.rods) {
+    if (rod.is_fibre) fibres.push_back(rod.name);
+  }
+  if (fibres.empty()) return notes;
+  const auto is_of_rods = [](const std::string& name) {
+    const auto of = field_component(name);
+    return of && of->field.owner == FieldOwner::rods;
+  };
+  if (std::ranges::any_of(config.output.fields, is_of_rods)) {
+    notes.push_back(
+        note(fmt::format("fields of rods do not show fibres ({}), which have no cells: `tension` shows their forces in "
+                         "pictures, and 'output.history' in columns",
+                         joined(fibres))));
+  }
+  for (const FieldColumnConfig& column : config.output.history) {
+    if (!is_of_rods(column.of.value) || column.of.value.starts_with("rod_force")) continue;
+    const auto is_meant = [&](const std::string& name) { return !column.in || column.in->value == name; };
+    if (!std::ranges::any_of(fibres, is_meant)) continue;
+    notes.push_back({Severity::warning, column.of.where,
+                     fmt::format("'{}' is 0 in fibres ({}), which do not resist bending and twist", column.of.value,
+                                 joined(fibres))});
+  }
+  return notes;
 }
 
 std::vector<const EnergyTerm*> ModelRods::terms(bool has_velocity) const {

@@ -71,6 +71,9 @@ std::vector<std::string> curves_of_rods(const Config& config);
 ModelRods make_rods(const Config& config, const Mesh& mesh, const NodeLayout& layout,
                     const std::vector<int>& body_of_cell, Selections& selections);
 
+/// Where the input asks for fields of rods that are fibres, which have no cells and no moments: what becomes of them.
+std::vector<Diagnostic> notes_about_fibres(const Config& config, const ModelRods& rods);
+
 /// The axial force of all segments at displacements u of the local nodes, the same on every rank [N]. Collective.
 std::vector<double> tensions_of(const ModelRods& rods, MPI_Comm comm, std::span<const double> u);
 }  // namespace pliant

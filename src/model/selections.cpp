@@ -107,6 +107,15 @@ bool Selections::is_added(const PhysicalGroup& group) const {
   return group.dimension == 3 && std::ranges::find(added_.names, group.name) != added_.names.end();
 }
 
+const PhysicalGroup* Selections::curve_of(const PhysicalGroup& group) const {
+  if (group.dimension != 3) return nullptr;
+  const auto rod = std::ranges::find(added_.on_curves, group.name, &std::pair<std::string, std::string>::first);
+  if (rod == added_.on_curves.end()) return nullptr;
+  const auto is_it = [&](const PhysicalGroup& other) { return other.dimension == 1 && other.name == rod->second; };
+  const auto found = std::ranges::find_if(mesh_.groups, is_it);
+  return found == mesh_.groups.end() ? nullptr : &*found;
+}
+
 FacetList Selections::without(const FacetList& facets, std::initializer_list<Added> kinds) const {
   if (added_node_.empty()) return facets;
   FacetList result;
@@ -153,6 +162,10 @@ std::vector<PetscInt> Selections::nodes(const Selection& part) {
     const PhysicalGroup* g = group(part);
     if (g == nullptr) return result;
     result = nodes_of_group(mesh_, layout_, *g);
+    const PhysicalGroup* curve = curve_of(*g);
+    if (curve != nullptr && sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
+      result = nodes_of_group(mesh_, layout_, *curve);
+    }
   } else if (part.kind == Selection::Kind::everything) {
     result = nodes_in_region(layout_, [](const auto&) { return true; });
   } else {

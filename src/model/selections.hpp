@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace pliant {
@@ -16,6 +17,8 @@ struct AddedBodies {
   std::vector<std::string> names;
   std::vector<std::string> without_surface;  ///< of them, those that only stand for a body
   std::vector<std::string> shells;           ///< of them, free shells, whose facets are all that is of them
+  /// Of them, rods along curves of the mesh, with these: the nodes of one without cells are its curve's.
+  std::vector<std::pair<std::string, std::string>> on_curves;
 };
 
 /// Resolves selections and keeps every error, so that all are reported at once. Its answers and errors are the same on
@@ -60,6 +63,8 @@ class Selections {
  private:
   const PhysicalGroup* group(const Selection& part);
   bool is_added(const PhysicalGroup& group) const;
+  /// The curve of a rod's group; nullptr if it is another's.
+  const PhysicalGroup* curve_of(const PhysicalGroup& group) const;
   /// A node that is inert belongs to no triangle of a free shell.
   enum class Added : char { none, with_surface, without_surface, inert };
   /// The list without what belongs to added volumes of these kinds.

@@ -167,6 +167,7 @@ void move_to_triangles(const Config& config, const NodeLayout& layout, const std
   const std::vector<InertNode> inert = inert_nodes(layout, is_shell);
   for (ProbeLocation& location : locations) {
     ProbeLocation moved;
+    moved.cell = location.cell;
     moved.distance = location.distance;
     for (std::size_t a = 0; a < location.nodes.size(); ++a) {
       const auto found = std::ranges::lower_bound(inert, location.nodes[a], {}, &InertNode::node);

@@ -43,6 +43,11 @@ FieldColumns::FieldColumns(const Config& config, const Model& model, ResultField
     const FieldColumnConfig& column = config.output.history[k];
     const FieldRegion& region = model.field_regions()[k];
     columns_.push_back({*field_component(column.of.value), column.take, &region, sizes_of(layout_, region)});
+    if (column.at) {
+      const auto probe = std::ranges::find(config.probes, column.at->value, &ProbeConfig::name);
+      columns_.back().probe = &model.probes()[static_cast<std::size_t>(probe - config.probes.begin())];
+      columns_.back().take = Take::mean;
+    }
     const FieldOwner owner = columns_.back().of.field.owner;
     if (owner != FieldOwner::shells && owner != FieldOwner::rods) need(columns_.back().of.field.name);
     if (column.of.value == gradient_name && column.take == Take::norm) need(displacement_name);
@@ -64,6 +69,22 @@ void FieldColumns::add(const Column& column, double weight, const double* values
 void FieldColumns::compare(const Column& column, const double* values, Partial& sum) {
   const double number = column.number(values);
   sum.largest = std::max(sum.largest, column.take == Take::min ? -number : number);
+}
+
+void FieldColumns::take_at_probe(const Column& column, const FieldValues& field, Partial& sum) {
+  const ProbeLocation& probe = *column.probe;
+  if (probe.nodes.empty()) return;  // another rank's
+  const std::size_t width = field.width();
+  if (field.location == FieldLocation::cell) {
+    add(column, 1.0, &field.values[width * static_cast<std::size_t>(probe.cell)], sum);
+    return;
+  }
+  std::vector<double> there(width);
+  for (std::size_t a = 0; a < probe.nodes.size(); ++a) {
+    const double* value = &field.values[width * static_cast<std::size_t>(probe.nodes[a])];
+    for (std::size_t c = 0; c < width; ++c) there[c] += probe.weights[a] * value[c];
+  }
+  add(column, 1.0, there.data(), sum);
 }
 
 void FieldColumns::take_from_cells(const Column& column, const FieldValues& field, Partial& sum) const {
@@ -167,7 +188,9 @@ std::vector<double> FieldColumns::values(const StepRecord& record) {
     const FieldValues& field = field_of(column.of.field.name);
     const bool is_exact = column.of.field.name == gradient_name && !column.of.component && column.take == Take::norm &&
                           field.location == FieldLocation::cell && column.region->facets_cells.empty();
-    if (is_exact) {
+    if (column.probe != nullptr) {
+      take_at_probe(column, field, sum);
+    } else if (is_exact) {
       take_squares_of_gradient(column, field_of(displacement_name).values, sum);
     } else if (field.location == FieldLocation::cell) {
       take_from_cells(column, field, sum);

@@ -24,7 +24,8 @@ class FieldColumns {
     FieldComponent of;
     Take take;
     const FieldRegion* region;
-    std::vector<double> sizes;  ///< of the region's cells [m^3] or facets [m^2]
+    std::vector<double> sizes;             ///< of the region's cells [m^3] or facets [m^2]
+    const ProbeLocation* probe = nullptr;  ///< instead of a region
 
     /// The number that the column takes from a place, where the field's components have these values.
     double number(const double* values) const;
@@ -36,6 +37,7 @@ class FieldColumns {
     double largest = -infinity;  ///< or the negative of the smallest
   };
 
+  static void take_at_probe(const Column& column, const FieldValues& field, Partial& sum);
   void take_from_cells(const Column& column, const FieldValues& field, Partial& sum) const;
   void take_from_nodes(const Column& column, const FieldValues& field, Partial& sum) const;
   void take_from_shells(const Column& column, const StepRecord& record, Partial& sum) const;

@@ -235,6 +235,7 @@ void Factorization::factorize(Mat K) {
   }
   const bool is_sound = outcome_ == SetUp::sound;
   if (outcome_ == SetUp::out_of_memory || (is_sound && single_->negative_pivots() == 0)) return;
+  if (is_sound && indefinite_ == Indefinite::accepted) return;
   // Singular or indefinite in single precision. If K is definite in double precision, single precision is not
   // accurate enough for this body, and double precision is used from here on.
   make_double(K);

@@ -30,6 +30,8 @@ class Factorization {
   }
 
   void set_up(Mat K);
+  /// What becomes of indefinite matrices in the next set-ups.
+  void treat(Indefinite indefinite) { indefinite_ = indefinite; }
   void apply(Vec b, Vec x);
   /// The same for several vectors at once; false if the preconditioner is one of PETSc's.
   bool apply(std::span<const SeveralDoubles> b, std::span<SeveralDoubles> x);
@@ -78,6 +80,7 @@ class Factorization {
   PetscObjectId pattern_of_double_ = 0;
   Handle<Mat> of_multigrid_;
   PetscObjectId pattern_of_multigrid_ = 0;
+  Indefinite indefinite_ = Indefinite::verified;
   SetUp outcome_ = SetUp::singular;
   int ordering_ = pord;
 };

@@ -51,16 +51,23 @@ bool GuessSearch::stop_short_of_walls(Vec accepted, Vec candidate) {
   if (accepted == nullptr || !equation_.has_walls()) return true;
   Vec displacement = correction_.get();
   check(VecWAXPY(displacement, -1.0, accepted, candidate));
-  const double bound = inversion_margin * equation_.max_step_to_wall(accepted, displacement);
-  // If a wall has moved onto the accepted state, no displacement is possible; the guess is then judged by its value.
-  if (!(bound > 0.0 && bound < 1.0)) return true;
+  auto walls = StageEquation::Walls::all;
+  double bound = inversion_margin * equation_.max_step_to_wall(accepted, displacement, walls);
+  if (!(bound > 0.0)) {
+    // An obstacle has moved onto the accepted state, and no displacement is possible. The potential tells whether the
+    // guess is clear of obstacles, but not whether bodies have passed each other.
+    walls = StageEquation::Walls::two_sided;
+    bound = inversion_margin * equation_.max_step_to_wall(accepted, displacement, walls);
+  }
+  if (!(bound < 1.0)) return true;
+  if (!(bound > 0.0)) return false;
   ++statistics_.capped_steps;
   check(VecWAXPY(r_.get(), bound, displacement, accepted));
   copy_entries(r_.get(), candidate, equation_.prescribed(), EntryKind::free);
   // What is prescribed moves all the way nevertheless: bodies that only distances without sign hold apart could be
   // beyond each other then, with a finite potential.
   check(VecWAXPY(displacement, -1.0, accepted, candidate));
-  return !(equation_.max_step_to_wall(accepted, displacement) < 1.0);
+  return !(equation_.max_step_to_wall(accepted, displacement, walls) < 1.0);
 }
 
 // In the obstacle's frame the accepted state stays where it was, and no obstacle has moved onto it.
@@ -194,7 +201,8 @@ GuessSearch::Applied GuessSearch::apply_prescribed_motion(Vec accepted, Vec targ
       // Nothing feels it yet: all of it, or up to what stands in the way.
       check(VecCopy(motion.get(), end_.get()));
       check(VecScale(end_.get(), 1.0 - fraction));
-      const double length = std::min(1.0, inversion_margin * equation_.max_step_to_wall(q, end_.get()));
+      const double length =
+          std::min(1.0, inversion_margin * equation_.max_step_to_wall(q, end_.get(), StageEquation::Walls::all));
       if (!(length > shortest_displacement)) break;
       fraction = length == 1.0 ? 1.0 : fraction + length * (1.0 - fraction);
       prescribe(q, target, motion.get(), fraction);

@@ -177,14 +177,15 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
   control_mumps(pc, K, first_workspace);
 }
 
-SetUp set_up_preconditioner(PC pc, Mat K) {
+SetUp set_up_preconditioner(PC pc, Mat K, Indefinite indefinite) {
   check(PCSetReusePreconditioner(pc, PETSC_FALSE));
   const bool is_new_pattern = takes_new_pattern(reinterpret_cast<PetscObject>(pc), K);
   // Nothing in PETSc's own preconditioners would fit the new pattern.
   if (is_new_pattern && factorization_of(pc) == nullptr) renew(pc, K);
   check(PCSetOperators(pc, K, K));
   SetUp outcome = SetUp::sound;
-  if (const Factorization* factorization = factorization_of(pc)) {
+  if (Factorization* factorization = factorization_of(pc)) {
+    factorization->treat(indefinite);
     check(PCSetUp(pc));
     outcome = factorization->outcome();
   } else {

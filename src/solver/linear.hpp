@@ -27,7 +27,7 @@ void set_krylov_method(KSP ksp, Symmetry symmetry);
 /// Sets up the preconditioner (factorizes) for the current K, and keeps it for all further solves. A factorization that
 /// runs out of workspace is repeated with more; one that runs out of memory is permanently replaced by multigrid,
 /// unless the user asked for the factorization or K is indefinite. Solve only if the outcome is `sound`. Collective.
-SetUp set_up_preconditioner(PC pc, Mat K);
+SetUp set_up_preconditioner(PC pc, Mat K, Indefinite indefinite = Indefinite::verified);
 
 /// Makes the next set-up the same as the first one of a new solver: nothing remains of aggregates that multigrid has
 /// made for another matrix, nor of what `refine_factorization` has done. Collective.

@@ -156,11 +156,11 @@ void LinearSystem::forget() {
   forget_set_ups(preconditioner_.get());
 }
 
-void LinearSystem::factorize(Vec q) {
+void LinearSystem::factorize(Vec q, Indefinite indefinite) {
   const Stopwatch watch(statistics_.factorization_seconds);
   if (uses_near_null_space(preconditioner_.get())) equation_.follow_rigid_motions(q, K_.get());
-  factor_.note_set_up(
-      set_up_preconditioner(preconditioner_.get(), bordered_ ? bordered_->inner_matrix(K_.get()) : K_.get()));
+  factor_.note_set_up(set_up_preconditioner(preconditioner_.get(),
+                                            bordered_ ? bordered_->inner_matrix(K_.get()) : K_.get(), indefinite));
   statistics_.uses_multigrid_instead = uses_multigrid_instead(preconditioner_.get());
   const auto clear_border = [&](Vec x) {
     if (bordered_) bordered_->clear_border(x);
@@ -176,8 +176,14 @@ void LinearSystem::factorize(Vec q) {
   escalation_.factorized();
 }
 
+Indefinite LinearSystem::if_indefinite(bool is_likely) const {
+  const bool is_changed = objective_.aim() != Aim::any_equilibrium && equation_.num_negative_pivots() == 0;
+  return is_likely && is_changed ? Indefinite::accepted : Indefinite::verified;
+}
+
 bool LinearSystem::factorize_definite(Vec q) {
-  factorize(q);
+  const bool projects_first = equation_.has_walls() && remedy_ == Remedy::projected_walls;
+  factorize(q, if_indefinite(projects_first || last_shift_ > 10.0 * usual_shifts.least));
   if (factor_.has_failed()) return false;
   if (objective_.aim() == Aim::any_equilibrium) {
     choose_krylov_method();
@@ -186,7 +192,6 @@ bool LinearSystem::factorize_definite(Vec q) {
   }
   if (has_right_inertia()) return true;
   // Shifts that outweigh the negative directions of barriers leave Newton's steps short everywhere else.
-  const bool projects_first = equation_.has_walls() && remedy_ == Remedy::projected_walls;
   if (projects_first && factorize_with_projected_walls(q)) return true;
   if (factorize_shifted(q)) return true;
   if (factor_.lacks_memory()) return false;
@@ -209,7 +214,7 @@ bool LinearSystem::factorize_shifted(Vec q) {
   for (double part = std::max(shifts.least, last_shift_ / 3.0); part <= largest_shift; part *= shifts.growth) {
     shift(part * mean - total);
     total = part * mean;
-    factorize(q);
+    factorize(q, if_indefinite(true));
     if (factor_.lacks_memory()) return false;
     if (!has_right_inertia()) continue;
     last_shift_ = part;

@@ -106,7 +106,10 @@ class LinearSystem {
   FactorPolicy::Factor whose_factor() const {
     return escalation_.has_kept_factor() ? FactorPolicy::Factor::kept : FactorPolicy::Factor::own;
   }
-  void factorize(Vec q);
+  /// What becomes of a Hessian that is indefinite in single precision. `is_likely`: whether it is likely to be so in
+  /// double precision too, which costs as much as several factorizations in single.
+  Indefinite if_indefinite(bool is_likely) const;
+  void factorize(Vec q, Indefinite indefinite = Indefinite::verified);
   /// Shifts the diagonal of K, factorized and indefinite, by the least amount that helps; false if none does.
   bool factorize_shifted(Vec q);
   /// Assembles the Hessian with projected barriers instead; false if it is indefinite.

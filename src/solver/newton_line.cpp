@@ -40,8 +40,9 @@ LineStart NewtonLine::lay(Vec q, Vec r, Vec y, Vec trial, double value) {
     start.measure = objective_.merit().of_residual(r);
   }
   start.first_length = first_length();
-  start.is_at_wall = start.first_length < much_shorter &&
-                     inversion_margin * objective_.equation().max_step_to_wall(q, d_.get()) < much_shorter;
+  start.is_at_wall =
+      start.first_length < much_shorter &&
+      inversion_margin * objective_.equation().max_step_to_wall(q, d_.get(), StageEquation::Walls::all) < much_shorter;
   return start;
 }
 

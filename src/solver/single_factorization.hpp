@@ -15,6 +15,12 @@ namespace pliant {
 /// Outcome of a factorization, or of the set-up of another preconditioner.
 enum class SetUp { sound, singular, out_of_memory };
 
+/// What becomes of a matrix that its factorization in single precision finds indefinite.
+enum class Indefinite {
+  verified,  ///< it is factorized in double precision, which is kept if the matrix is definite there
+  accepted   ///< it is changed anyway
+};
+
 /// Workspace of MUMPS beyond its estimate [per cent]: if pivoting needs more, four times as much, up to the last.
 inline constexpr int first_workspace = 40, last_workspace = 10240;
 /// Orderings (ICNTL(7)) that Debian's MUMPS has; METIS and SCOTCH are not among them.

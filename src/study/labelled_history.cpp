@@ -28,10 +28,14 @@ std::vector<FieldColumn> columns_of(const InputNode& input) {
   const InputNode* list = given(input, {"output", "history"});
   if (list == nullptr) return columns;
   for (const InputNode& entry : list->children) {
-    const std::string take = text_at(entry, {"take"}), of = text_at(entry, {"of"}), in = text_at(entry, {"in"});
+    const std::string take = text_at(entry, {"take"}), of = text_at(entry, {"of"}), in = text_at(entry, {"in"}),
+                      at = text_at(entry, {"at"});
     const auto field = field_component(of);
-    const bool is_field_itself = take == "max" || take == "min" || take == "mean";  // others have a power of the metre
-    columns.push_back({text_at(entry, {"name"}), fmt::format("{} of {}{}", take, of, in.empty() ? "" : " in " + in),
+    // Others have a power of the metre.
+    const bool is_field_itself = !at.empty() || take == "max" || take == "min" || take == "mean";
+    columns.push_back({text_at(entry, {"name"}),
+                       at.empty() ? fmt::format("{} of {}{}", take, of, in.empty() ? "" : " in " + in)
+                                  : fmt::format("{} at {}", of, at),
                        field && is_field_itself ? unit_of_field(field->field.name) : ""});
   }
   return columns;

@@ -60,10 +60,8 @@ LevelRun run_level(const Config& config, Model& model, std::span<const RunNumber
     if (outcome.kind == StepOutcome::Kind::failed) run.failure = outcome.reason;
     if (outcome.kind != StepOutcome::Kind::accepted) continue;
     if (history) history->add();
-    if (config.time.adaptive) {
-      run.largest_q = std::max(run.largest_q, nodal_mean_square(simulation.record().q));
-      run.largest_v = std::max(run.largest_v, nodal_mean_square(simulation.record().v));
-    }
+    run.largest_q = std::max(run.largest_q, nodal_mean_square(simulation.record().q));
+    run.largest_v = std::max(run.largest_v, nodal_mean_square(simulation.record().v));
     console.progress(fmt::format("{}: {}", name, instant_text(abscissa, simulation.record().time)));
   }
   run.q = copy_of(simulation.record().q);

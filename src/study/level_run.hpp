@@ -19,7 +19,7 @@ struct LevelRun {
   std::int64_t steps = 0;
   long long newton_iterations = 0;
   double seconds = 0.0;
-  double largest_q = 0.0;       ///< root mean square over time's maximum [m]; of adaptive runs
+  double largest_q = 0.0;       ///< maximum over time of the root mean square [m]
   double largest_v = 0.0;       ///< likewise [m/s]
   std::vector<double> results;  ///< one for each number that was asked for
 };

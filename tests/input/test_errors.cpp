@@ -227,7 +227,9 @@ INSTANTIATE_TEST_SUITE_P(
             "history.csv has a column 'time' of its own; choose another name"},
         Bad{6, "output: {history: [{name: a, of: velocity, take: max}, {name: @a, of: velocity, take: min}]}",
             "the column name 'a' is given twice"},
-        Bad{6, "output: {history: [@{name: a, of: velocity}]}", "missing key 'take'"},
+        Bad{6, "output: {history: [@{name: a, of: velocity}]}", "'take'"},
+        Bad{6, "output: {history: [{name: a, of: velocity, at: @tip}]}",
+            "'at' must be the name of a probe, not 'tip'; this input has no 'probes'"},
         Bad{6, "output: {history: [{name: a, of: @contact_gap, take: min}]}",
             "the field 'contact_gap' needs 'contact', which this input does not have"}));
 

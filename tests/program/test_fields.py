@@ -172,6 +172,29 @@ class Fields(ProgramTest):
                 self.assertAlmostEqual(history["grad_u"], np.sqrt(w @ square), delta=1e-9 * k)
                 self.assertAlmostEqual(history["tip"], -k * 1.5**2 / 2, delta=1e-9 * k)
 
+    def test_fields_at_probes(self):
+        k, c = self.BENDING
+        points = {"inside": (0.31, 0.1, -0.17), "corner": (1.5, -0.5, 0.5), "beyond": (1.51, -0.5, 0.5)}
+        columns = ", ".join(f"{{name: {name}_{short}, of: {of}, at: {name}}}" for name in points
+                            for short, of in (("u", "displacement_z"), ("far", "displacement"), ("xx", "cauchy_stress_xx")))
+        for nodal, ranks in swept([(n, r) for n in ("true", "false") for r in (1, 2, 3)], [("true", 2), ("false", 3)]):
+            with self.subTest(nodal=nodal, ranks=ranks):
+                probes = ", ".join(f"{{name: {name}, point: [{x}, {y}, {z}]}}" for name, (x, y, z) in points.items())
+                history = self.bent("P2", ranks, nodal, columns + f"]}}\nprobes: [{probes}]\n#")
+                values, _, X, cells = self.frame()
+                for name, place in points.items():
+                    x, y, z = place = np.minimum(place, 1.5)
+                    self.assertAlmostEqual(history[name + "_u"][-1], -k * x**2 / 2 - NU * (k * (z**2 - y**2) / 2 - c * y * z), delta=1e-14)
+                    self.assertAlmostEqual(history[name + "_far"][-1], np.linalg.norm([history[f"{name}_u{i}"][-1] for i in "xyz"]), delta=1e-14)
+                    corners = X[cells[:, :4]]
+                    weights = np.linalg.solve(np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 2), (place - corners[:, 0])[:, :, None])[:, :, 0]
+                    around = (weights > -1e-9).all(axis=1) & (weights.sum(axis=1) < 1 + 1e-9)
+                    xx = values["cauchy_stress"][:, 0]
+                    if nodal == "false":
+                        self.assertLess(np.abs(xx[around] - history[name + "_xx"][-1]).min(), 1e-11 * self.STRESS)
+                    elif name == "inside":
+                        self.assertAlmostEqual(history["inside_xx"][-1], YOUNG * (k * z - c * y), delta=1e-6 * self.STRESS)
+
     @staticmethod
     def gauss():
         points, weights = np.polynomial.legendre.leggauss(4)

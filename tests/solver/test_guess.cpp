@@ -31,7 +31,8 @@ class Valley final : public test::SmallEquation {
     return x < barrier ? 0.5 * (x - minimum) * (x - minimum) : infinity;
   }
   bool has_walls() const override { return std::isfinite(wall); }
-  double max_step_to_wall(Vec q, Vec d) override {
+  double max_step_to_wall(Vec q, Vec d, Walls which) override {
+    if (which == Walls::all && obstacle_has_moved_here) return 0.0;
     const double room = wall - free_entry(q), step = free_entry(d);
     return step > room ? room / step : infinity;
   }
@@ -56,6 +57,7 @@ class Valley final : public test::SmallEquation {
 
   double minimum = 0.0, barrier = infinity;
   double wall = infinity;
+  bool obstacle_has_moved_here = false;
 
  private:
   std::vector<char> prescribed_;
@@ -118,6 +120,17 @@ TEST_F(Guesses, StopShortOfWalls) {
   choose(0.0, 0.0, 2.0);
   EXPECT_DOUBLE_EQ(chosen(), 0.9 * 0.5 * 2.0);
   EXPECT_EQ(statistics_.capped_steps, 1);
+}
+
+// Bodies do not pass each other where an obstacle leaves no way from the accepted state.
+TEST_F(Guesses, StopShortOfWallsThatOnlyAPathShows) {
+  has_accepted_ = equation_.obstacle_has_moved_here = true;
+  equation_.minimum = 10.0;
+  choose(0.0, 0.0, 2.0);
+  EXPECT_EQ(chosen(), 2.0);
+  equation_.wall = 1.0;
+  choose(0.0, 0.0, 2.0);
+  EXPECT_LT(chosen(), 1.0);
 }
 
 }  // namespace

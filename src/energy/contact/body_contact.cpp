@@ -31,7 +31,8 @@ class BodyContact final : public BodyTerm {
 
   std::string_view name() const override { return "contact"; }
   TermDeclaration declaration() const override {
-    return {.account = Account::stored, .is_wall = !bodies().is_penalty()};
+    const bool is_wall = !bodies().is_penalty();
+    return {.account = Account::stored, .is_wall = is_wall, .is_two_sided = is_wall};
   }
   bool has_adjoint() const override { return true; }
 

@@ -156,17 +156,27 @@ void Contact::follow_obstacle(const LocalStage& stage, std::span<Vector3<double>
   constexpr double near_multiple = 2.0, far_multiple = 5.0;
   const ObstacleFrame start = obstacle_->at(Instant{stage.step_start, stage.load_factor});
   const ObstacleFrame end = obstacle_->at(instant_of(stage));
-  for (std::size_t a = 0; a < displacements.size(); ++a) {
-    const Vector3<double> x = surface_->position(static_cast<PetscInt>(a), stage.accepted);
-    const Vector3<double> displacement = end.place(start.in_shape(x)) - x;
-    const double length = norm(displacement);
-    if (length == 0.0) continue;
-    const double gap = std::max(0.0, start.distance(x) - surface_->law().threshold);
-    const double near = std::clamp((far_multiple - gap / length) / (far_multiple - near_multiple), 0.0, 1.0);
-    if (near <= closeness[a]) continue;
-    displacements[a] = displacement;
+  const auto moved = [&](const Vector3<double>& x) { return end.place(start.in_shape(x)) - x; };
+  const auto closeness_at = [&](const Vector3<double>& x) {
+    const double length = norm(moved(x)), gap = std::max(0.0, start.distance(x) - surface_->law().threshold);
+    return length > 0.0 ? std::clamp((far_multiple - gap / length) / (far_multiple - near_multiple), 0.0, 1.0) : 0.0;
+  };
+  const auto follow = [&](PetscInt node, double near) {
+    const auto a = static_cast<std::size_t>(node);
+    if (near <= closeness[a]) return;
+    displacements[a] = moved(surface_->position(node, stage.accepted));
     closeness[a] = near;
+  };
+  for (std::size_t a = 0; a < displacements.size(); ++a) {
+    const auto node = static_cast<PetscInt>(a);
+    follow(node, closeness_at(surface_->position(node, stage.accepted)));
   }
+  // Between its nodes a curved facet may be nearer than they are.
+  const auto follow_at = [&](const ContactPoint& point) {
+    const double near = closeness_at(surface_->position(point, stage.accepted));
+    for (const PetscInt node : point.nodes) follow(node, near);
+  };
+  surface_->for_each_near(start, {stage.accepted}, Facets::with_owned_nodes, follow_at);
 }
 
 namespace {

@@ -37,7 +37,8 @@ class Contact final : public EnergyTerm {
   /// moves.
   double max_step(const LocalStage& stage, std::span<const double> q, std::span<const double> d) const override;
 
-  /// Nodes nearer than twice the displacement count as touching; from five times on they count as far.
+  /// Nodes nearer than twice the displacement, and those of facets with a point as near, count as touching; from five
+  /// times on they count as far.
   void follow_obstacle(const LocalStage& stage, std::span<Vector3<double>> displacements,
                        std::span<double> closeness) const override;
 

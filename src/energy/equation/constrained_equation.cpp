@@ -332,9 +332,9 @@ void ConstrainedEquation::extrapolate_from(Vec y) {
   equation_.extrapolate_from(y != nullptr ? x_.get() : nullptr);
 }
 
-double ConstrainedEquation::max_step_to_wall(Vec y, Vec d) {
+double ConstrainedEquation::max_step_to_wall(Vec y, Vec d, Walls which) {
   expand_direction(y, d);
-  return equation_.max_step_to_wall(x_.get(), d_.get());
+  return equation_.max_step_to_wall(x_.get(), d_.get(), which);
 }
 
 double ConstrainedEquation::force_scale(Vec y) {

@@ -45,7 +45,7 @@ class ConstrainedEquation final : public StageEquation {
   void rank_one_parts(Vec y, std::vector<RankOne>& parts) override;
   double max_step(Vec y, Vec d) override;
   bool has_walls() const override { return equation_.has_walls(); }
-  double max_step_to_wall(Vec y, Vec d) override;
+  double max_step_to_wall(Vec y, Vec d, Walls which) override;
   void extrapolate_from(Vec y) override;
   bool is_static() const override { return equation_.is_static(); }
   bool follow_obstacles(Followers which, Vec y) override;

@@ -269,12 +269,13 @@ bool IncrementalPotential::has_walls() const {
   return std::ranges::any_of(terms_.all(), [](const EnergyTerm* term) { return term->declaration().is_wall; });
 }
 
-double IncrementalPotential::max_step_to_wall(Vec q, Vec d) {
+double IncrementalPotential::max_step_to_wall(Vec q, Vec d, Walls which) {
   double mine = std::numeric_limits<double>::infinity();
   if (!has_walls()) return mine;
   const Path path = terms_.arrays().along(q, d);
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    if (terms_[k].declaration().is_wall) mine = std::min(mine, step_bound(k, path));
+    const TermDeclaration is = terms_[k].declaration();
+    if (which == Walls::all ? is.is_wall : is.is_two_sided) mine = std::min(mine, step_bound(k, path));
   }
   return minimum(layout_.comm, mine);
 }

@@ -64,7 +64,7 @@ class IncrementalPotential final : public StageEquation {
   /// pairs on the way (StageArrays::along).
   double max_step(Vec q, Vec d) override;
   bool has_walls() const override;
-  double max_step_to_wall(Vec q, Vec d) override;
+  double max_step_to_wall(Vec q, Vec d, Walls which) override;
   /// Sum over the terms of the norms of their gradients [N]: the size of the forces that must balance. Prescribed
   /// entries count, because reactions balance too: a body under uniform stress has no other forces.
   double force_scale(Vec q) override;

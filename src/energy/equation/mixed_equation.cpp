@@ -393,16 +393,23 @@ double MixedEquation::max_step(Vec x, Vec d) {
   return potential_.max_step(q_.get(), d_.get());
 }
 
-double MixedEquation::max_step_to_wall(Vec x, Vec d) {
+double MixedEquation::max_step_to_wall(Vec x, Vec d, Walls which) {
   take_displacement(x, q_.get());
   take_displacement(d, d_.get());
-  return potential_.max_step_to_wall(q_.get(), d_.get());
+  return potential_.max_step_to_wall(q_.get(), d_.get(), which);
 }
 
 bool MixedEquation::move_rigidly(Vec x) {
-  if (!potential_.move_rigidly(q_.get())) return false;
-  join(q_.get(), x);
-  return true;
+  return join_if(potential_.move_rigidly(q_.get()), x);
+}
+
+bool MixedEquation::follow_obstacles(Followers which, Vec x) {
+  return join_if(potential_.follow_obstacles(which, q_.get()), x);
+}
+
+bool MixedEquation::follow_prescribed_nodes(Vec x) {
+  take_displacement(x, q_.get());
+  return join_if(potential_.follow_prescribed_nodes(q_.get()), x);
 }
 
 double MixedEquation::force_scale(Vec x) {

@@ -55,9 +55,11 @@ class MixedEquation final : public StageEquation {
   void rank_one_parts(Vec x, std::vector<RankOne>& parts) override;
   bool is_static() const override { return potential_.is_static(); }
   bool move_rigidly(Vec x) override;
+  bool follow_obstacles(Followers which, Vec x) override;
+  bool follow_prescribed_nodes(Vec x) override;
   double max_step(Vec x, Vec d) override;
   bool has_walls() const override { return potential_.has_walls(); }
-  double max_step_to_wall(Vec x, Vec d) override;
+  double max_step_to_wall(Vec x, Vec d, Walls which) override;
   double force_scale(Vec x) override;
   double inertia_scale() override { return potential_.inertia_scale(); }
   double rounding_floor(Vec x) const override;
@@ -84,6 +86,11 @@ class MixedEquation final : public StageEquation {
   /// Copies x to q and to the field.
   void set(Vec x);
   void join(Vec q, Vec x) const;
+  /// Joins the displacements that have just been found, if they were.
+  bool join_if(bool is_found, Vec x) const {
+    if (is_found) join(q_.get(), x);
+    return is_found;
+  }
   void take_displacement(Vec x, Vec q) const;
   /// r = dPi/dp, owned and complete; q has its ghosts.
   void pressure_gradient(const Instant& at, std::span<const double> q, Vec r) const;

@@ -145,11 +145,8 @@ double Springs::energy_at(const Instant& at, std::span<const double> q, std::spa
 }
 
 TermDeclaration Dampers::declaration() const {
-  TermDeclaration declaration;
-  declaration.is_potential = false;
-  declaration.symmetry = Symmetry::unsymmetric;
+  TermDeclaration declaration = viscous_force;
   declaration.rotates_with_body = false;
-  declaration.dissipates = true;
   return declaration;
 }
 

@@ -152,14 +152,6 @@ double Fibres::tension(const LocalFibre& of, std::span<const double> q) {
   return of.axial * FibreStretch(of.axis, of.change(q)).value;
 }
 
-TermDeclaration FibreViscosity::declaration() const {
-  TermDeclaration declaration;
-  declaration.is_potential = false;
-  declaration.symmetry = Symmetry::unsymmetric;
-  declaration.dissipates = true;
-  return declaration;
-}
-
 void FibreViscosity::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
   if (stage.q0.empty() || !(stage.dt > 0.0)) return;
   for (const LocalFibre& of : fibres_.segments_here()) {

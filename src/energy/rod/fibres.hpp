@@ -24,8 +24,8 @@ namespace pliant {
 /// change in rigid motions: every method keeps its order, and momenta are conserved.
 class Fibres final : public EnergyTerm {
  public:
-  /// `segments`: the same on every rank, edges of cells of the layout. Collective. Throws std::logic_error if an end of one
-  /// is not a corner of a cell.
+  /// `segments`: the same on every rank, edges of cells of the layout. Collective. Throws std::logic_error if an end of
+  /// one is not a corner of a cell.
   Fibres(const NodeLayout& layout, std::span<const FibreSegment> segments);
 
   std::string_view name() const override { return "rods"; }
@@ -59,7 +59,7 @@ class FibreViscosity final : public EnergyTerm {
       : num_owned_nodes_(layout.num_owned_nodes), fibres_(fibres) {}
 
   std::string_view name() const override { return "rod-viscosity"; }
-  TermDeclaration declaration() const override;
+  TermDeclaration declaration() const override { return viscous_force; }
   double value(const LocalStage& /*stage*/, std::span<const double> /*q*/) const override { return 0.0; }
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,

@@ -14,11 +14,8 @@ double rate_of(const Stencil& stencil, std::size_t k, double dt) {
 }  // namespace
 
 TermDeclaration RodViscosity::declaration() const {
-  TermDeclaration declaration;
-  declaration.is_potential = false;
-  declaration.symmetry = Symmetry::unsymmetric;
+  TermDeclaration declaration = viscous_force;
   declaration.rotates_with_body = false;
-  declaration.dissipates = true;
   return declaration;
 }
 

@@ -45,11 +45,8 @@ std::array<double, 3> rate_of_curvature(const BendingStencil& stencil, std::span
 }  // namespace
 
 TermDeclaration ShellBendingViscosity::declaration() const {
-  TermDeclaration declaration;
-  declaration.is_potential = false;
-  declaration.symmetry = Symmetry::unsymmetric;
+  TermDeclaration declaration = viscous_force;
   declaration.rotates_with_body = false;
-  declaration.dissipates = true;
   return declaration;
 }
 

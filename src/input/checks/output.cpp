@@ -44,13 +44,13 @@ void check_columns(const Config& config, const InputNode& root, Diagnostics& dia
     if (!of) continue;  // already an error
     const std::vector<std::string> components = components_of(of->field.shape);
     const bool is_vector = of->field.shape == FieldShape::vector,
-               is_norm = column.take == FieldColumnConfig::Take::norm;
+               is_norm = !column.at && column.take == FieldColumnConfig::Take::norm;
     if (!of->component && !components.empty() && !is_vector && !is_norm) {
       const std::string field(of->field.name);
       diagnostics.add(column.of.where, "'" + field + "' has " + std::to_string(components.size()) +
                                            " components, of which a column shows one: write " + field + "_" +
                                            components.front() + ", ..., " + field + "_" + components.back() +
-                                           ", or `take: norm` for the norm of all");
+                                           (column.at ? "" : ", or `take: norm` for the norm of all"));
     }
   }
   check_unique(names, places, "column name", diagnostics);
@@ -112,6 +112,24 @@ void check_place(const Config& config, const AskedField& asked, Diagnostics& dia
   }
 }
 
+/// A probe that is not there, or where the field is not.
+void check_probe(const Config& config, const AskedField& asked, Diagnostics& diagnostics) {
+  if (asked.column == nullptr || !asked.column->at) return;
+  const Located<std::string>& at = *asked.column->at;
+  std::vector<std::string> probes;
+  for (const ProbeConfig& probe : config.probes) probes.push_back(probe.name);
+  if (std::ranges::find(probes, at.value) == probes.end()) {
+    diagnostics.add(at.where,
+                    "'at' must be the name of a probe, not '" + at.value + "'" + did_you_mean(at.value, probes) +
+                        (probes.empty() ? "; this input has no 'probes'" : "; the probes are: " + joined(probes)));
+  }
+  if (asked.field.owner == FieldOwner::shells || asked.field.owner == FieldOwner::rods) {
+    diagnostics.add(at.where, "'" + std::string(asked.field.name) + "' is a field of " +
+                                  (asked.field.owner == FieldOwner::shells ? "shells" : "rods") +
+                                  ", which has no value at a probe: use 'in' and 'take'");
+  }
+}
+
 }  // namespace
 
 void check_unique(const std::vector<std::string>& values, const std::vector<Location>& places, const std::string& what,
@@ -134,6 +152,7 @@ void check_output(const Config& config, const InputNode& root, Diagnostics& diag
     const AskedField asked{of->field, where, column};
     check_owner(config, asked, has_contact, diagnostics);
     check_place(config, asked, diagnostics);
+    check_probe(config, asked, diagnostics);
   };
   for (std::size_t k = 0; k < places.size() && k < config.output.fields.size(); ++k) {
     check(config.output.fields[k], places[k], nullptr);
