@@ -20,7 +20,9 @@ file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/lib/python3/dist-packages)
 file(CREATE_LINK ${CMAKE_SOURCE_DIR}/src/python/pliant ${CMAKE_BINARY_DIR}/lib/python3/dist-packages/pliant SYMBOLIC)
 install(PROGRAMS tools/work_precision.py tools/beam_mesh.py DESTINATION ${pliant_share}/tools COMPONENT program)
 install(FILES tools/package.py DESTINATION ${pliant_share}/tools COMPONENT program)
-install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+# Beside the documents, whose links lead there; the change log where Debian looks for it, too.
+install(FILES README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md LICENSE DESTINATION ${pliant_share} COMPONENT program)
+install(FILES CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(FILES src/shell/pliant.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program
         RENAME pliant)
 install(FILES src/shell/pliant.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)

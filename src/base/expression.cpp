@@ -59,6 +59,13 @@ bool has_decimal_comma(const std::string& text) {
   return text.find('(') == std::string::npos && std::regex_search(text, comma);
 }
 
+/// What to write instead of an operator in words.
+std::string operator_for(const std::string& token) {
+  if (token == "and") return " ('and' is written '&&')";
+  if (token == "or") return " ('or' is written '||')";
+  return "";
+}
+
 std::vector<std::string> known_names(const mu::Parser& parser) {
   std::vector<std::string> names(variable_names.begin(), variable_names.end());
   for (const auto& constant : parser.GetConst()) names.push_back(constant.first);
@@ -90,7 +97,7 @@ ExpressionError explained(const mu::ParserError& error, const mu::Parser& parser
     case mu::ecUNEXPECTED_VAR:
     case mu::ecUNEXPECTED_FUN:
       return because("an operator is missing before '" + token + "'" +
-                     (has_decimal_comma(text) ? " (a decimal point is written '.')" : ""));
+                     (has_decimal_comma(text) ? " (a decimal point is written '.')" : operator_for(token)));
     case mu::ecMISSING_PARENS:
       return because("a ')' is missing");
     case mu::ecUNEXPECTED_PARENS:

@@ -179,7 +179,11 @@ void replace_file(const std::filesystem::path& from, const std::filesystem::path
 void make_directory(const std::filesystem::path& directory) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
-  if (error) throw FileError("cannot make the directory '" + directory.string() + "': " + error.message());
+  const bool is_forbidden = error == std::errc::permission_denied;
+  if (error) {
+    throw FileError("cannot make the directory '" + directory.string() + "': " + error.message() +
+                    (is_forbidden ? "; `--output` names another" : ""));
+  }
 }
 
 DirectoryLock::DirectoryLock(const std::filesystem::path& directory, std::chrono::milliseconds patience)

@@ -19,8 +19,8 @@ struct FieldColumnConfig {
   /// Name of a volume or surface, of a free shell, or of a shell or rod where the field is of those; empty: all bodies,
   /// shells or rods.
   std::optional<Located<std::string>> in;
-  Take take = Take::max;
-  std::optional<Located<std::string>> at;  ///< name of a probe: the value there, whatever `take` is
+  std::optional<Take> take;
+  std::optional<Located<std::string>> at;  ///< name of a probe, instead of `in` and `take`: the value there
   Location where;
 };
 

@@ -42,11 +42,11 @@ FieldColumns::FieldColumns(const Config& config, const Model& model, ResultField
   for (std::size_t k = 0; k < config.output.history.size(); ++k) {
     const FieldColumnConfig& column = config.output.history[k];
     const FieldRegion& region = model.field_regions()[k];
-    columns_.push_back({*field_component(column.of.value), column.take, &region, sizes_of(layout_, region)});
+    columns_.push_back(
+        {*field_component(column.of.value), column.take.value_or(Take::mean), &region, sizes_of(layout_, region)});
     if (column.at) {
       const auto probe = std::ranges::find(config.probes, column.at->value, &ProbeConfig::name);
       columns_.back().probe = &model.probes()[static_cast<std::size_t>(probe - config.probes.begin())];
-      columns_.back().take = Take::mean;
     }
     const FieldOwner owner = columns_.back().of.field.owner;
     if (owner != FieldOwner::shells && owner != FieldOwner::rods) need(columns_.back().of.field.name);

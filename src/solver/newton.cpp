@@ -1,10 +1,18 @@
 #include "solver/newton.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
 namespace pliant {
+namespace {
+
+/// Most solves of a static stage whose bodies rotate by half a turn in each.
+constexpr int max_turns = 20;
+
+}  // namespace
+
 std::string describe(const StageEquation& equation, LinearKind linear) {
   const auto names = equation.non_potentials();
   std::string how = "Newton on the incremental potential";
@@ -29,7 +37,20 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
 
 StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   ++statistics_.stages;
-  const StageReport report = solve_for_unknowns(equation_.enter(stage, q, unknowns_.get()), unknowns_.get());
+  StageReport report;
+  for (int turn = 0;; ++turn) {
+    const StageReport before = std::move(report);
+    report = solve_for_unknowns(equation_.enter(stage, q, unknowns_.get()), unknowns_.get());
+    report.newton_iterations += before.newton_iterations;
+    report.linear_iterations += before.linear_iterations;
+    if (report.outcome != StageOutcome::converged || !equation_.is_far_from_guess(unknowns_.get())) break;
+    if (turn == max_turns) {
+      report.outcome = StageOutcome::retry;
+      report.reason = "a body rotates by half a turn in every search for an equilibrium";
+      break;
+    }
+    equation_.leave(unknowns_.get(), q);
+  }
   report.outcome == StageOutcome::converged ? equation_.leave(unknowns_.get(), q) : equation_.give_up();
   return report;
 }

@@ -142,6 +142,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Bad{"2*Pi", 2, "did you mean 'pi'?"}, Bad{"sin(", 4, "ends too early"},
                     Bad{"(x", 2, "')' is missing"}, Bad{"x)", 1, "parenthesis ')'"},
                     Bad{"2 x", 2, "operator is missing before 'x'"}, Bad{"x 2", 2, "operator is missing before '2'"},
+                    Bad{"x < 0 and y > 0", 6, "'and' is written '&&'"},
                     Bad{"x sin(t)", 2, "operator is missing before 'sin'"}, Bad{"x +", 3, "ends too early"},
                     Bad{"sin(1,2)", 7, "too many arguments"}, Bad{"atan2(1)", 7, "needs more arguments"},
                     Bad{"x;y", 1, "not known"}, Bad{"#", 0, "not known"}, Bad{"\"a\"", 3, "no quotes"},

@@ -79,6 +79,7 @@ output:
   history:
     - {name: peak, of: cauchy_stress_xx, in: beam, take: max}
     - {name: "whole body", of: displacement, take: norm}
+    - {name: "at the tip", of: von_mises_stress, at: tip}
 checkpoint: {every: 100, minutes: 10}
 probes: [{name: tip, point: [1, 0.1, 100 mm]}, {name: "the root", point: [0, 0, 0]}]
 cavities:

@@ -227,7 +227,7 @@ INSTANTIATE_TEST_SUITE_P(
             "history.csv has a column 'time' of its own; choose another name"},
         Bad{6, "output: {history: [{name: a, of: velocity, take: max}, {name: @a, of: velocity, take: min}]}",
             "the column name 'a' is given twice"},
-        Bad{6, "output: {history: [@{name: a, of: velocity}]}", "'take'"},
+        Bad{6, "output: {history: [@{name: a, of: velocity}]}", "one of take, at is needed in history[0]"},
         Bad{6, "output: {history: [{name: a, of: velocity, at: @tip}]}",
             "'at' must be the name of a probe, not 'tip'; this input has no 'probes'"},
         Bad{6, "output: {history: [{name: a, of: @contact_gap, take: min}]}",

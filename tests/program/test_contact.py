@@ -280,6 +280,16 @@ time: {{{time}}}
                 self.assertGreater(min(gaps), 0)
                 self.assertLess(min(gaps), 0.02)
 
+    def test_a_fast_floor_takes_the_body_along(self):
+        # It pushes ever faster, in a step by many times the gap: the guess of every formulation has to follow it.
+        for volumetric in ("standard", "mean-dilatation", "mixed"):
+            with self.subTest(volumetric):
+                h = self.run_cube("fast", "method: bdf2, step: 2 ms, end: 0.04", contact="law: barrier\n  width: 0.1 mm", young="1e7", above=2e-4,
+                                  floor=', motion: {translate: [0, 0, "200*t^2"]}', rest=f"element: P2\nvolumetric: {volumetric}")
+                self.assertEqual(len(h["step"]), 21, "a step was cut")
+                self.assertLess(h["contact_gap_min"][-1], 1e-4)
+                self.assertGreater(h["floor_jz"][-1], 1000)
+
     def test_a_part_of_the_surface_alone_touches(self):
         def fall(name, chosen, ranks=1):
             return self.run_cube("part-" + name, "method: backward-euler, step: 10 ms, end: 0.1", above=0.005, contact=chosen,

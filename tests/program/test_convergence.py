@@ -97,6 +97,25 @@ class Convergence(ProgramTest):
                             f"bodies.0.viscosity.rate={rate}")[1] for rate in ("secant", "reconstructed")]
         np.testing.assert_allclose(rates[0]["error_displacement"], rates[1]["error_displacement"], rtol=1e-5)
 
+    def test_quasistatic(self):
+        # Without inertia, and so the reference: a bar with a density, under a load that grows.
+        bar = self.write("bar.yaml", f"""mesh: {{file: {ROOT}/meshes/unit_cube.msh}}
+bodies: [{{density: 1000, elasticity: {{model: neo-hookean, youngs_modulus: 1e4, poissons_ratio: 0.3}}VISCOSITY}}]
+constraints: [{{surface: clamp, displacement: [0, 0, 0]}}]
+loads: [{{where: "z > 0.999", traction: [0, 0, "1e3*sin(2*t)"]}}]
+time: {{method: quasistatic, step: 0.1, end: 0.4}}
+""")
+        text = bar.read_text(encoding="utf-8")
+        for viscosity, says in (("", "displacements have rounding errors only"), (", viscosity: [{model: kelvin-voigt, shear: 3e3}]", None)):
+            bar.write_text(text.replace("VISCOSITY", viscosity), encoding="utf-8")
+            done = self.call("converge", bar, "--in", "time", "--levels", "3", "--output", "study")
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            self.assertIn("solving the reference: quasistatic, steps of 0.00156 s", done.stdout)
+            if says:
+                self.assertIn(says, done.stdout)
+        with open(self.directory / "study/convergence.csv", encoding="ascii", newline="") as file:
+            self.assertAlmostEqual(float(list(csv.DictReader(file))[-1]["order_displacement"]), 1, delta=0.1)
+
     def test_linear_elements(self):
         methods, table, _ = self.study("stretched_cube", "space", 3)
         self.assertEqual(methods, ["static"] * 3)

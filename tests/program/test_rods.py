@@ -6,6 +6,7 @@ import unittest
 import numpy as np
 
 from program import ALL_OR_SOME, LINE, ROOT, ProgramTest, box, read_history, swept, write_mesh
+from shell_meshes import write_patch
 
 sys.path.insert(0, str(ROOT / "src/python"))
 
@@ -324,7 +325,8 @@ solver: {newton: {relative: 1e-11}}
         self.assertGreater(rod["m"].max(), 0)
         self.assertGreater(fibre["dissipated_rod_viscosity"][-1], 0)
         np.testing.assert_allclose(fibre["energy_balance_error"], 0, atol=1e-6 * np.abs(fibre["kinetic_energy"]).max())
-        self.write("in.yaml", text.replace("MORE", "") + f"time: {{{time}}}\n")
+        self.write("in.yaml", text.replace("MORE", "") + f"time: {{{time}}}\n{columns}\n")
+        self.assertIn("'rod_bending_moment' is 0 in fibres (wire)", self.pliant("run", "in.yaml").stderr)
         self.assertRegex(self.pliant("check", "in.yaml").stdout, r"wire: \d+ segments, 0.05 m long, .*; a fibre: only E A counts")
         # Its weight acts by its name, too, and what bends as much as its surroundings is a rod.
         weight = text.replace("MORE", "").replace("-9.81]", "-9.81], volume: wire")
@@ -332,6 +334,56 @@ solver: {newton: {relative: 1e-11}}
         np.testing.assert_allclose(h["left_fz"][-1], np.pi * 2.5e-9 * 0.05 * 7800 * 9.81, rtol=1e-6)
         self.write("in.yaml", text.replace("MORE", "").replace("0.05 mm", "0.5 mm") + f"time: {{{time}}}\n")
         self.assertNotIn("a fibre", self.pliant("check", "in.yaml").stdout)
+
+    def test_what_a_fibre_does_not_need(self):
+        # A direction of its section, and a line without a turn back; its name selects its nodes.
+        self.write_bar_with_line(0.05, 0.01, 0.002, 0.005)
+        text = """mesh: {file: bar.geo}
+bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.4}}]
+rods: [{name: wire, curve: line, section: {width: 50 um, height: 100 um, up: UP}, youngs_modulus: 1 GPa, poissons_ratio: 0.3, density: 7800, bending: false}]
+constraints: [{WHERE, displacement: [0, 0, 0]}]
+loads: [{gravity: [9.81, 0, 0]}]
+probes: [{name: tip, point: [0.05, 0.005, 0.005]}]
+time: {method: static}
+output: {fields: [displacement, rod_force], history: [{name: f, of: rod_force, in: wire, take: max}]}
+"""
+
+        def end(up, where="surface: left", ranks=1):
+            self.write("in.yaml", text.replace("UP", up).replace("WHERE", where))
+            return {name: column[-1] for name, column in self.run_input("in.yaml", ranks=ranks).items()}
+
+        across = end("[0, 0, 1]")
+        self.assertGreater(across["f"], 1e-5)
+        for ranks in (1, 2):
+            along = end("[1, 0, 0]", ranks=ranks)
+            for name in ("f", "tip_ux", "wire_length"):
+                self.assertAlmostEqual(along[name] / across[name], 1, delta=1e-7)
+        for where in ("volume: wire", "curve: line"):
+            self.assertAlmostEqual(end("[0, 0, 1]", where)["wire_length"], 0.05, delta=1e-14)
+
+    def test_a_wire_on_a_free_shell(self):
+        # Triangles hold its sections as tetrahedra do: it falls with the sheet, and weighs on what holds that.
+        n = 6
+        write_patch(self.directory / "sheet.msh", n, lambda s, t: (0.2 * s, 0.1 * t, 0.05 * s * s))
+        add_curves(self.directory / "sheet.msh", {"middle": [n // 2 * (n + 1) + i for i in range(n + 1)], "side": list(range(n + 1))})
+        text = """mesh: {file: sheet.msh}
+shells: [{name: sheet, surface: sheet, free: true, thickness: 1 mm, density: 1000, bending: true,
+          elasticity: {model: neo-hookean, youngs_modulus: 5 MPa, poissons_ratio: 0.4}CLAMPED}]
+rods:
+  - {name: wire, curve: middle, radius: 0.3 mm, density: 7800, youngs_modulus: 1 GPa, poissons_ratio: 0.3}
+  - {name: strip, curve: side, section: {width: 0.4 mm, height: 0.8 mm, up: [0, 0, 1]}, density: 7800, youngs_modulus: 1 GPa, poissons_ratio: 0.3}
+loads: [{gravity: [0, 0, -9.81]}]
+probes: [{name: tip, point: [0.2, 0.05, 0.05]}]
+solver: {newton: {relative: 1e-11}}
+"""
+        for element, ranks in swept([(e, r) for e in ("P1", "P2") for r in (1, 2, 3)], [("P1", 2), ("P2", 1)]):
+            h = self.solve(text.replace("CLAMPED", "") + f"element: {element}\n", "method: implicit-midpoint, step: 5 ms, end: 0.05", ranks)
+            np.testing.assert_allclose(h["tip_uz"], -9.81 * h["time"]**2 / 2, atol=1e-9)
+        mass = -h["pz"][-1] / (9.81 * h["time"][-1])
+        held = ", clamped: [{curve: s0}]}]\nconstraints: [{curve: s0, name: root, displacement: [0, 0, 0]}"
+        h = self.solve(text.replace("CLAMPED}]", held + "]"), "method: static, load_steps: 4")
+        self.assertAlmostEqual(h["root_fz"][-1] / (9.81 * mass), 1, delta=1e-6)
+        self.assertLess(h["tip_uz"][-1], -5e-3)
 
     def test_an_inextensible_fibre(self):
         # A wire on the side of a bar that is pulled: the bar curls, and the stiffer the wire, the less depends on its stiffness.

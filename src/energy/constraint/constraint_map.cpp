@@ -229,6 +229,22 @@ void ConstraintMap::refreeze(Vec y, Vec r) {
   }
 }
 
+double ConstraintMap::rotation(Vec y) const {
+  double largest = 0.0;
+  for (const auto& dependent : dependents_) {
+    largest = std::max(largest, dependent->rotation(unknowns_of(*dependent, y)));
+  }
+  return largest;
+}
+
+double ConstraintMap::rotation_by(Vec step, Vec y) const {
+  double largest = 0.0;
+  for (const auto& dependent : dependents_) {
+    largest = std::max(largest, dependent->rotation_by(unknowns_of(*dependent, step), unknowns_of(*dependent, y)));
+  }
+  return largest;
+}
+
 void ConstraintMap::restrict(Vec q, Vec y) const {
   check(VecCopy(q, y));
   for (const auto& dependent : dependents_) put_unknowns(*dependent, dependent->nearest_unknowns(q), y);

@@ -78,6 +78,9 @@ class ConstraintMap {
   std::vector<PetscInt> unsymmetric_unknowns() const;
   /// The constraints for which W is not J, each once, as plurals. Not collective.
   std::vector<std::string> non_potentials() const;
+  /// DependentNodes::rotation, the largest of all. Not collective, but the same on every rank.
+  double rotation(Vec y) const;
+  double rotation_by(Vec step, Vec y) const;
   /// y = the unknowns whose configuration is close to q, the closest one if q fulfils the constraints.
   void restrict(Vec q, Vec y) const;
   /// w = the rates of the unknowns at rest whose velocities are closest to v.

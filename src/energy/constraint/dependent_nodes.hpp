@@ -67,6 +67,13 @@ class DependentNodes {
   /// sum_a f_a . dw_ak/dx_l over the owned nodes, row k by row; f: forces on q. Not collective.
   virtual std::vector<double> curvature(std::span<const double> unknowns, Vec f) const = 0;
 
+  /// The largest angle by which a body has rotated since `begin_stage` [rad]. At 2 pi forces seem to be balanced that
+  /// are not: rotation vectors of this length are the same rotation. Not collective.
+  virtual double rotation(std::span<const double> /*unknowns*/) const { return 0.0; }
+  /// The same of a step of the unknowns, to first order.
+  virtual double rotation_by(std::span<const double> /*step*/, std::span<const double> /*unknowns*/) const {
+    return 0.0;
+  }
   /// The unknowns whose configuration is close to q, the closest one if that fulfils the constraint.
   virtual std::vector<double> nearest_unknowns(Vec q) const = 0;
   /// The rates of the unknowns at rest whose velocities are closest to v.

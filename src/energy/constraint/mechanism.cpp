@@ -9,6 +9,7 @@
 #include <eigen3/Eigen/QR>
 #include <eigen3/Eigen/SVD>
 #include <limits>
+#include <numbers>
 
 namespace pliant {
 namespace {
@@ -125,7 +126,9 @@ bool Mechanism::solve(Vector& xi, std::vector<PartMotion>& parts, Matrix& G) con
     if (!std::isfinite(error)) return false;
     // To rounding: until it does not fall any more.
     if (error <= joint_tolerance * size_ || (error <= std::sqrt(joint_tolerance) * size_ && error > slow * last)) {
-      return joints_.is_on_branch(parts, given_);
+      // Further on, other solutions of the same equations are as near.
+      const bool is_near = level_ != Level::configuration || largest_rotation(xi) < std::numbers::pi;
+      return is_near && joints_.is_on_branch(parts, given_);
     }
     last = error;
     const Vector z = Matrix(G * G_ref_.transpose()).partialPivLu().solve(h);
@@ -264,6 +267,17 @@ void Mechanism::combine(Solution& solution) const {
     solution.motions.push_back(combined(p, solution.columns, solution.parts[p].columns));
     solution.virtual_motions.push_back(combined(p, solution.test_columns, solution.parts[p].test_columns));
   }
+}
+
+double Mechanism::largest_rotation(const Vector& xi) const {
+  double largest = 0.0;
+  for (std::size_t p = 0; p < parts_.size(); ++p) largest = std::max(largest, parts_[p]->rotation(of_part(xi, p)));
+  return largest;
+}
+
+double Mechanism::rotation_by(std::span<const double> step, std::span<const double> unknowns) const {
+  return largest_rotation(at(unknowns).columns *
+                          Eigen::Map<const Vector>(step.data(), static_cast<Eigen::Index>(step.size())));
 }
 
 std::vector<double> Mechanism::nearest_unknowns(Vec q) const {

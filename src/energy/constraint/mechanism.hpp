@@ -62,6 +62,8 @@ class Mechanism final : public DependentNodes {
                         std::span<Vector3<double>> columns) const override;
   std::vector<double> curvature(std::span<const double> unknowns, Vec f) const override;
 
+  double rotation(std::span<const double> unknowns) const override { return largest_rotation(at(unknowns).xi); }
+  double rotation_by(std::span<const double> step, std::span<const double> unknowns) const override;
   std::vector<double> nearest_unknowns(Vec q) const override;
   std::vector<double> nearest_rates(Vec v) const override;
 
@@ -115,6 +117,7 @@ class Mechanism final : public DependentNodes {
   void evaluate(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const;
   /// The columns N for equations with the derivative G_ref.
   void choose_columns(const Matrix& G);
+  double largest_rotation(const Vector& xi) const;
   /// The nearest solution of h(xi) = 0 about; false: none is found.
   bool approach(Vector& xi) const;
   /// Newton's method for h(start + G_ref^T z) = 0, with the motions and G at its end; false: it does not converge.

@@ -72,6 +72,10 @@ class RigidPart final : public DependentNodes {
                         std::span<Vector3<double>> columns) const override;
   std::vector<double> curvature(std::span<const double> unknowns, Vec f) const override;
 
+  double rotation(std::span<const double> unknowns) const override { return norm(rotation_vector(unknowns)); }
+  double rotation_by(std::span<const double> step, std::span<const double> /*unknowns*/) const override {
+    return rotation(step);
+  }
   std::vector<double> nearest_unknowns(Vec q) const override;
   std::vector<double> nearest_rates(Vec v) const override;
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 
 namespace pliant {
 namespace {
@@ -260,6 +261,13 @@ bool ConstrainedEquation::follow_prescribed_nodes(Vec y) {
   return true;
 }
 
+bool ConstrainedEquation::is_far_from_guess(Vec y) {
+  constexpr double far = 0.5 * std::numbers::pi;
+  if (!is_static()) return false;
+  const LeadingPart::Of at(y_part_, y);
+  return map_.rotation(at.get()) > far;
+}
+
 Vec ConstrainedEquation::displacements(Vec y) {
   expand(y, x_.get());
   return equation_.displacements(x_.get());
@@ -321,9 +329,15 @@ void ConstrainedEquation::expand_direction(Vec y, Vec d) {
   check(MatMult(jacobian_.matrix(), d, d_.get()));
 }
 
+// The further a body rotates, the less does the direction say; without inertia it may be of any length.
 double ConstrainedEquation::max_step(Vec y, Vec d) {
+  constexpr double longest_rotation = 1.0;
   expand_direction(y, d);
-  return equation_.max_step(x_.get(), d_.get());
+  const double bound = equation_.max_step(x_.get(), d_.get());
+  if (!is_static()) return bound;
+  const LeadingPart::Of at(y_part_, y), along(y_part_, d);
+  const double rotation = map_.rotation_by(along.get(), at.get());
+  return rotation > 0.0 ? std::min(bound, longest_rotation / rotation) : bound;
 }
 
 void ConstrainedEquation::extrapolate_from(Vec y) {

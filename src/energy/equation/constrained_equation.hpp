@@ -50,6 +50,7 @@ class ConstrainedEquation final : public StageEquation {
   bool is_static() const override { return equation_.is_static(); }
   bool follow_obstacles(Followers which, Vec y) override;
   bool follow_prescribed_nodes(Vec y) override;
+  bool is_far_from_guess(Vec y) override;
   void set_prescribed_fraction(double fraction) override;
   double force_scale(Vec y) override;
   double inertia_scale() override { return equation_.inertia_scale(); }

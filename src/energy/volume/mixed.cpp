@@ -68,7 +68,7 @@ class MixedTermOf final : public MixedTerm {
     });
   }
 
-  std::string_view name() const override { return "elastic with pressure"; }
+  std::string_view name() const override { return "volumetric: mixed"; }
   TermDeclaration declaration() const override {
     return {.is_potential = false, .depends_on_time = law_.depends_on_time()};
   }

@@ -62,7 +62,8 @@ void check_rod(const Config& config, const RodConfig& rod, Diagnostics& diagnost
                     fmt::format("missing key 'density' of rod '{}', which {} needs", rod.name,
                                 is_dynamic ? "dynamics" : "gravity"));
   }
-  if (rod.bends == false && (rod.curve.empty() || !rod.holder(0).empty() || !rod.holder(1).empty())) {
+  const bool has_line = !rod.curve.empty() || !rod.points.empty();  // else an error of its own
+  if (rod.bends == false && has_line && (rod.curve.empty() || !rod.holder(0).empty() || !rod.holder(1).empty())) {
     diagnostics.add(
         {rod.where, {"bending"}}, rod.where,
         fmt::format("rod '{}' does not resist bending, so that it is held by nothing but a body along its "
