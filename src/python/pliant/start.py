@@ -1,7 +1,7 @@
 """What `pliant render`, `pliant plot` and `pliant convert` start, as a script: python3 start.py COMMAND ARGUMENT [OPTION ...]
 
-Exit codes are those of the program: 0 done, 2 an error that the user can correct, a module that is missing among them, 4 a file
-could not be written.
+Exit codes are those of the program: 0 done, 2 an error that the user can correct, a module that is missing among them, 4 a file that
+could not be read or written.
 """
 import importlib
 import pathlib

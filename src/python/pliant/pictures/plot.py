@@ -1,5 +1,4 @@
 """Draws the history of a run: energies and their balance, probes, forces, cavities, joints and tendons, and what each step cost."""
-import difflib
 import os
 
 import matplotlib
@@ -8,6 +7,7 @@ import yaml
 from matplotlib import pyplot as plt
 
 from pliant import History, PliantError, Result
+from pliant.error import did_you_mean
 from pliant.notebook import unit_of
 
 from ..command_line import Parser, exit_code
@@ -243,9 +243,7 @@ def chosen_columns(history, names, taken, x):
 
 def require(history, option, name):
     if name not in history:
-        close = difflib.get_close_matches(name, list(history), 1)
-        raise PliantError(f"--{option} {name}: the history has no such column" + (f"; did you mean '{close[0]}'?" if close else
-                          "; it has " + ", ".join(history)))
+        raise PliantError(f"--{option} {name}: the history has no such column; {did_you_mean(name, history) or 'it has ' + ', '.join(history)}".strip())
 
 
 LABELS = {"path": "length of the path", "load": "load factor", "": "time [s]"}
