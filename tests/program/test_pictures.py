@@ -72,12 +72,24 @@ class Pictures(ProgramTest):
         synthetic.write_result(self.out, num_frames=1, order=1, cubes=(2, 1, 1))
         modules = self.directory / "modules"
         modules.mkdir()
-        for module, package, command in (("vtkmodules", "python3-vtk9", "render"), ("matplotlib", "python3-matplotlib", "plot"), ("h5py", "python3-h5py", "plot")):
-            file = modules / f"{module}.py"
-            file.write_text("raise ModuleNotFoundError(name=__name__)\n")
-            self.fails(2, f"^pliant {command}: /usr/bin/python3 has no module '{module}': install the package {package},", command, "out",
-                       environment={"PYTHONPATH": str(modules), "PYTHONDONTWRITEBYTECODE": "1"})
-            file.unlink()
+        empty = {"PYTHONPATH": str(modules), "PYTHONDONTWRITEBYTECODE": "1"}
+        nowhere = {"PATH": str(modules), "PLIANT_PYTHON": "/usr/bin/python3"}  # without Xvfb and ffmpeg
+        other = "; or name another Python in the environment variable PLIANT_PYTHON$"
+        for lacking, line, arguments, environment in (
+                (["vtkmodules"], "lacks 'vtkmodules': apt-get install python3-vtk9" + other, ["render", "out"], empty),
+                (["matplotlib"], "lacks 'matplotlib': apt-get install python3-matplotlib" + other, ["plot", "out"], empty),
+                (["h5py"], "lacks 'h5py': apt-get install python3-h5py" + other, ["plot", "out"], empty),
+                (["matplotlib", "vtkmodules"], "lacks 'matplotlib', 'vtkmodules', and there is no program 'Xvfb', 'ffmpeg': "
+                 "apt-get install python3-matplotlib python3-vtk9 xvfb ffmpeg" + other, ["render", "out", "--movie=mp4"], empty | nowhere),
+                (["matplotlib", "vtkmodules"], "lacks 'matplotlib': apt-get install python3-matplotlib" + other, ["render", "out", "-o", "a.glb"], empty | nowhere),
+                ([], "there is no program 'Xvfb', 'ffmpeg': apt-get install xvfb ffmpeg$", ["render", "out", "--movie", "mp4"], empty | nowhere),
+                ([], "there is no program 'Xvfb': apt-get install xvfb$", ["render", "out"], empty | nowhere)):
+            for module in lacking:
+                (modules / f"{module}.py").write_text("raise ModuleNotFoundError(name=__name__)\n")
+            with self.subTest(line):
+                self.fails(2, f"^pliant {arguments[0]}: (/usr/bin/python3 )?{line}", *arguments, environment=environment)
+            for module in lacking:
+                (modules / f"{module}.py").unlink()
         self.fails(2, "'/missing/python' could not be started: install the package python3", "plot", "out", environment={"PLIANT_PYTHON": "/missing/python"})
         self.fails(70, "its Python code failed \\(exit code 1\\)", "plot", "out", environment={"PLIANT_PYTHON": "/usr/bin/false"})
 
