@@ -40,7 +40,7 @@ class Pictures(ProgramTest):
             self.assertGreater(len(np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0)), 100)
         self.pliant("plot", "out", "--of", "kinetic_energy,elastic_energy", "--x", "dt", "--output", "chosen.svg")
         drawn = (self.directory / "chosen.svg").read_text()
-        for words in ("<!-- kinetic_energy -->", "<!-- elastic_energy -->", "<!-- dt [s] -->", "<!-- [J] -->"):
+        for words in ("<!-- kinetic energy -->", "<!-- elastic energy -->", "<!-- dt [s] -->", "<!-- [J] -->"):
             self.assertIn(words, drawn)
 
     def fails(self, status, words, *arguments, ranks=1, environment=None):

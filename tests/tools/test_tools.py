@@ -10,6 +10,7 @@ import unittest
 
 import h5py
 import numpy as np
+from matplotlib import pyplot as plt
 from PIL import Image
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -20,6 +21,7 @@ sys.dont_write_bytecode = True
 import synthetic  # noqa: E402
 from package import Result, Surface  # noqa: E402
 from pliant import Mesh, von_mises  # noqa: E402
+from pliant.pictures import plot  # noqa: E402
 from pliant.pictures.colours import Colours  # noqa: E402
 from pliant.pictures.cut import CutSurface, Plane, mirror, plane  # noqa: E402
 from pliant.pictures.page import Page  # noqa: E402
@@ -518,6 +520,33 @@ class Plots(WithResult):
             with Image.open(self.draw(tool="plot.py")) as picture:
                 heights.append(picture.size[1])
         self.assertGreater(heights[1], heights[0] + 300)  # a row of two more
+
+    def test_axes_have_handy_units_and_words(self):
+        """A single plot fills the picture; numbers at its axes are small ones with the unit of the label."""
+        history = {"time": np.linspace(0, 0.03, 4), "chamber_pressure": np.linspace(0, 8e4, 4), "chamber_volume": np.linspace(1e-6, 5e-6, 4),
+                   "wall_fz": np.linspace(-0.02, 0.05, 4), "tip_ux": np.zeros(4), "hinge_tx": np.linspace(0, 2e3, 4)}
+
+        def axes_of(columns, x=None):
+            with plt.rc_context(plot.STYLE):
+                figure = plot.draw(history, "title", {}, "", columns, x)
+                figure.canvas.draw()
+                self.addCleanup(plt.close, figure)
+            shown = [[axis.get_label_text(), *(text.get_text() for text in axis.get_ticklabels())] for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
+            self.assertEqual({axis.get_offset_text().get_text() for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)}, {""})
+            return figure, shown
+
+        figure, (x, y) = axes_of(["chamber_pressure"], "chamber_volume")
+        self.assertGreater(figure.axes[0].get_position().x1, 0.95)
+        self.assertEqual((x[0], y[0]), ("volume of chamber [cm³]", "pressure in chamber [kPa]"))
+        self.assertIn("20", y)
+        self.assertIn("3", [text.removesuffix(".0") for text in x])
+        figure, (x, y) = axes_of(["wall_fz"])
+        self.assertEqual((x[0], y[0]), ("time [ms]", "force of wall in z [mN]"))
+        self.assertIn("\u221220", y)
+        self.assertEqual(axes_of(["tip_ux"])[1][1][0], "displacement of tip in x [m]")
+        figure, shown = axes_of(["wall_fz", "hinge_tx"])
+        self.assertEqual([label for label, *_ in shown], ["time [ms]", "force of wall in z [mN]", "time [ms]", "torque of hinge about x [kN m]"])
+        self.assertEqual(len(figure.axes), 2)
 
     def test_history_of_the_initial_state_alone(self):
         synthetic.write_history(self.directory, num_steps=1)

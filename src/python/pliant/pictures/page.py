@@ -19,12 +19,12 @@ def font(size, bold=False):
 
 def prefixed(unit, largest):
     """The factor and the unit that give handy numbers: 2.3e5 Pa as 230 kPa."""
-    if unit not in ("m", "Pa", "m/s", "N", "J", "W", "m/s^2", "N/m^2"):
+    if unit not in ("m", "s", "Pa", "m/s", "N", "J", "W", "m/s^2", "N/m^2"):
         return 1.0, unit
     for prefix, factor in (("µ", 1e-6), ("m", 1e-3), ("", 1.0), ("k", 1e3), ("M", 1e6), ("G", 1e9)):
         if largest < 1000 * factor:
             break
-    if unit.startswith("m") and factor > 1:
+    if unit.startswith(("m", "s")) and factor > 1:
         prefix, factor = "", 1.0
     return factor, prefix + unit
 
@@ -35,10 +35,15 @@ def ticks(low, high):
     power = 10 ** np.floor(np.log10(step))
     step = power * min((1, 2, 2.5, 5, 10), key=lambda m: abs(m - step / power))
     values = np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step
+    return values, decimals_of(values, step)
+
+
+def decimals_of(values, step):
+    """How many decimals values need that are `step` apart."""
     decimals = 0
     while decimals < 8 and not np.allclose(np.round(values, decimals), values, rtol=0, atol=1e-6 * step):
         decimals += 1
-    return values, decimals
+    return decimals
 
 
 def round_length(most):

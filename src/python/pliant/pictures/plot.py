@@ -12,6 +12,7 @@ from pliant.notebook import unit_of
 
 from ..command_line import Parser, exit_code
 from .analysis import counted
+from .axes import column_in_words, use_handy_units
 from .quantity import quantity_of
 
 COLOURS = ["#3b6fb6", "#d1603d", "#3f9c6b", "#8a63b8", "#c79a2b", "#4aa5b5", "#b5507c", "#6d7580"]
@@ -136,11 +137,11 @@ def draw_column(axes, time, history, name, title):
     what, unit = title
     axes.set_title(what)
     axes.plot(time, history[name], color=COLOURS[3])
-    axes.set_ylabel(labelled(name, unit))
+    axes.set_ylabel(f"{name} [{unit}]" if unit else name)
 
 
 def labelled(name, unit):
-    return f"{name} [{unit}]" if unit else name
+    return f"{column_in_words(name, unit)} [{unit}]" if unit else name
 
 
 def draw_mesh_error(axes, time, history):
@@ -232,7 +233,7 @@ def chosen_columns(history, names, taken, x):
     for unit, columns in by_unit.items():
         def draw_them(axes, time, h, unit=unit, columns=columns):
             for name in columns:
-                axes.plot(h[x] if x else time, h[name], label=name)
+                axes.plot(h[x] if x else time, h[name], label=column_in_words(name, unit_of_column(name, taken)))
             axes.set_ylabel(labelled(columns[0], unit_of_column(columns[0], taken)) if len(columns) == 1 else f"[{unit}]")
             if len(columns) > 1:
                 show_legend(axes)
@@ -254,8 +255,10 @@ def draw(history, title, taken, counts="", columns=(), x=None):
     drawings = [lambda axes, time, h, way=way: draw_path(axes, h, *way) for way in along[:4]] + panels(history, taken)
     if columns:
         drawings = list(chosen_columns(history, columns, taken, x))
-    num_rows = max(1, -(-len(drawings) // 2))
-    figure, grid = plt.subplots(num_rows, 2, figsize=(12, 0.5 + 2.9 * num_rows), squeeze=False, layout="constrained")
+    num_columns = min(2, max(1, len(drawings)))
+    num_rows = max(1, -(-len(drawings) // num_columns))
+    size = (12, 0.5 + 2.9 * num_rows) if num_columns == 2 else (8, 4.5)
+    figure, grid = plt.subplots(num_rows, num_columns, figsize=size, squeeze=False, layout="constrained")
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)
     figure.suptitle(title, x=0.012, ha="left", fontsize=13, fontweight="bold")
     for axes, drawing in zip(grid.flat, drawings):
@@ -263,6 +266,7 @@ def draw(history, title, taken, counts="", columns=(), x=None):
         if not axes.get_xlabel():
             axes.margins(x=0.01)
             axes.set_xlabel(LABELS[counts])
+        use_handy_units(axes)
     for axes in grid.flat[len(drawings):]:
         axes.remove()
     return figure
