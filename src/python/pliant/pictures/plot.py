@@ -77,7 +77,8 @@ def draw_lines(axes, time, title, label, lines):
 
 def draw_probes(axes, time, history, probes):
     positions = {f"{probe} {axis}": history[f"{probe}_{axis}"] for probe in probes for axis in "xyz"}
-    draw_lines(axes, time, "Probes", "moved from the start by [m]", {name: x - x[0] for name, x in positions.items()})
+    title = "Probes and centers of rigid bodies" if any(f"{probe}_qw" in history for probe in probes) else "Probes"
+    draw_lines(axes, time, title, "moved from the start by [m]", {name: x - x[0] for name, x in positions.items()})
 
 
 def ways(history):
