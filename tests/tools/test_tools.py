@@ -186,7 +186,7 @@ class Pictures(WithResult):
         self.assertEqual(self.rod_picture("--field", "rod_force", "--hide", "wire")[0], 0)
         high, _ = self.rod_picture("--field", "tension", "--hide", "root", "--hide", "tip", "--hide", "wire")
         self.assertGreater(high, 2e-4, "the fibre alone")
-        self.draw("--hide", "root", "--hide", "tip", *SMALL)
+        self.draw("--hide", "root", "--hide", "tip", "--cut", "x", "--mesh-edges", "--outline", *SMALL)
         self.fails("no body or obstacle of this name; there are root, tip, fibre, wire\n", self.directory, "--hide", "arm")
         self.fails("no body or obstacle of this name; there are root, tip\n", self.directory, "--transparent", "fibre")
         self.fails("every body is hidden", self.directory, *(word for name in ("root", "tip", "fibre", "wire") for word in ("--hide", name)))

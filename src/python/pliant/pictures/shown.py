@@ -174,6 +174,7 @@ class Shown:
         if frame.mesh_group not in self._shells_of_mesh:
             mesh, options = frame.mesh, self._options
             hidden, transparent = (np.array([name in names for name in mesh.body_names]) for names in (options.hide, options.transparent))
+            hidden |= ~np.isin(mesh.body_names, mesh.bodies_with_surface)
             parts = [(~hidden & ~transparent, 1.0)]
             parts += [(np.arange(len(hidden)) == k, TRANSPARENT) for k in np.nonzero(transparent & ~hidden)[0]]
             shells = []
