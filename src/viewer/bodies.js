@@ -1,5 +1,5 @@
 // The surfaces of the bodies at any time, between frames too.
-import { straddles } from "./colours.js";
+import { rangeOf } from "./colours.js";
 import { accumulated, int32, rows, EarlierNeighbours } from "./data.js";
 
 const AXES = [0, 1, 2];
@@ -64,6 +64,9 @@ export class Bodies {
     bodies.names = result.bodies;
     bodies.result = result;
     bodies.surfaces = await Promise.all(meshes.map((mesh, i) => Surface.load(mesh, i)));
+    // Fibres are bodies without facets: the mechanisms show them.
+    const seen = new Set(bodies.surfaces.flatMap((surface) => [...new Set(surface.bodies)]));
+    bodies.isDrawn = bodies.names.map((name, i) => seen.has(i) && !result.unseen?.includes(name));
     const count = meshes.map(() => 0);
     bodies.rowOfFrame = frames.map((frame) => count[frame.mesh]++);
     bodies.values = new Map();
@@ -140,9 +143,19 @@ export class Bodies {
       parts.reduce((sum, [frame, weight]) => sum + weight * rows.value(this.rowOfFrame[frame], vertex), this.moves && field === 0 ? shift[k] : 0));
   }
 
+  /// Whether there are several bodies to choose from.
+  get areSeveral() {
+    return this.isDrawn.filter(Boolean).length > 1;
+  }
+
+  /// The range of the colours of a field.
+  range(field, component) {
+    return rangeOf(...this.extremes(field, component));
+  }
+
   /// Lowest and highest value over all frames; of peaks the uppermost and lowermost thousandth are left out, for at sharp
   /// corners stresses have no bound. Zeros do not count among these: contact acts on few places, and its peaks are those.
-  range(field, component) {
+  extremes(field, component) {
     const samples = [], frames = this.frames.length, some = Math.min(frames, 40);
     for (let k = 0; k < some; ++k) {
       const at = this.at(this.frames[some > 1 ? Math.round((k * (frames - 1)) / (some - 1)) : 0].time);
@@ -152,10 +165,6 @@ export class Bodies {
       if (sorted.length > 0) samples.push(sorted[cut], sorted[sorted.length - 1 - cut]);
       if (sorted.length < values.length) samples.push(0);
     }
-    let low = Math.min(...samples), high = Math.max(...samples);
-    if (straddles(low, high)) [low, high] = [-Math.max(-low, high), Math.max(-low, high)];
-    else if (low >= 0 && low < 0.5 * high) low = 0;
-    if (!(high > low)) [low, high] = low === 0 ? [0, 1] : [low - Math.abs(low) / 2, low + Math.abs(low) / 2];
-    return { low, high };
+    return [Math.min(...samples), Math.max(...samples)];
   }
 }

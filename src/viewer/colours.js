@@ -26,6 +26,13 @@ export const MAPS = { auto: "automatic", viridis: "viridis", cividis: "cividis",
 /// Whether a range has values of both signs, not just by rounding.
 export const straddles = (low, high) => low < -0.02 * (high - low) && high > 0.02 * (high - low);
 
+/// The range of colours for values from `low` to `high`; `only`: the value of all, where it is the same.
+export function rangeOf(low, high) {
+  if (!(high > low)) return { only: low, low: low === 0 ? 0 : low - Math.abs(low) / 2, high: low === 0 ? 1 : low + Math.abs(low) / 2 };
+  if (straddles(low, high)) return { low: -Math.max(-low, high), high: Math.max(-low, high) };
+  return { low: low >= 0 && low < 0.5 * high ? 0 : low, high };
+}
+
 /// The map of a range that has not been given one.
 export const mapOf = (chosen, low, high) => (chosen !== "auto" ? chosen : straddles(low, high) ? "diverging" : "viridis");
 
@@ -56,9 +63,9 @@ export function colourMap(kind) {
   return textures.get(kind);
 }
 
-/// The part of a map that a range takes, upwards.
-export function gradient(kind, low, high) {
-  const stops = Array.from({ length: 17 }, (_, i) => colourAt(kind, shareOf(kind, low + (i / 16) * (high - low), low, high)));
+/// The colours from `bottom` to `top` in the part of a map that a range takes.
+export function gradient(kind, low, high, bottom, top) {
+  const stops = Array.from({ length: 17 }, (_, i) => colourAt(kind, shareOf(kind, bottom + (i / 16) * (top - bottom), low, high)));
   return `linear-gradient(to top, ${stops.map((c) => `rgb(${c})`).join(", ")})`;
 }
 

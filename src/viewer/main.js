@@ -105,7 +105,7 @@ async function start() {
   if (report.model) {
     items = await Items.load(view);
     place("panel").prepend(...items.list());
-    panel.colour.value = bodies.names.length > 1 ? "bodies" : "none";
+    panel.colour.value = bodies.areSeveral ? "bodies" : "none";
   } else {
     panel.colour.value = openingField(bodies.fields, report.result.elements);
   }

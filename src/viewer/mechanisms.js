@@ -4,7 +4,7 @@ import { BufferAttribute, BufferGeometry, CanvasTexture, Color, Group, Points, P
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
-import { colourAt, shareOf } from "./colours.js";
+import { colourAt, rangeOf, shareOf } from "./colours.js";
 import { int32, rows, EarlierNeighbours } from "./data.js";
 
 const AXES = [0, 1, 2];
@@ -85,10 +85,7 @@ export class Mechanisms {
       if (!part) return;
       for (const value of part.at([[this.bodies.rowOfFrame[f], 1]], 1, [0, 0, 0]).tension) [low, high] = [Math.min(low, value), Math.max(high, value)];
     });
-    if (low < -0.02 * (high - low)) [low, high] = [-Math.max(-low, high), Math.max(-low, high)];
-    else low = 0;
-    if (!(high > low)) high = 1;
-    return { low, high };
+    return rangeOf(low, high);
   }
 
   /// `looks`: by name, "hidden" or not.

@@ -1,5 +1,5 @@
 // Rigid obstacles of contact, where the result has them.
-import { BufferAttribute, BufferGeometry, CanvasTexture, DoubleSide, Group, Mesh, MeshStandardMaterial } from "three";
+import { BufferAttribute, BufferGeometry, CanvasTexture, DoubleSide, FrontSide, Group, Mesh, MeshStandardMaterial } from "three";
 import { accumulated, int32, rows, EarlierNeighbours } from "./data.js";
 
 const AXES = [0, 1, 2];
@@ -22,6 +22,28 @@ function pieces(index, owners) {
   return found;
 }
 
+/// Whether triangles enclose the side that they face, as those of obstacles do that bodies are inside of: their mean distance from their
+/// middle along their normals, which is 0 of a plane, is negative, by more than a hundredth of their extent.
+function facesItsMiddle(piece, x) {
+  let area = 0;
+  const middle = [0, 0, 0], low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity], found = [];
+  for (let i = 0; i < piece.length; i += 3) {
+    const [a, b, c] = [0, 1, 2].map((j) => x.subarray(3 * piece[i + j], 3 * piece[i + j] + 3));
+    const u = AXES.map((k) => b[k] - a[k]), v = AXES.map((k) => c[k] - a[k]);
+    const normal = AXES.map((k) => u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]);
+    const center = AXES.map((k) => (a[k] + b[k] + c[k]) / 3), size = Math.hypot(...normal);
+    area += size;
+    for (const k of AXES) {
+      middle[k] += size * center[k];
+      low[k] = Math.min(low[k], a[k], b[k], c[k]);
+      high[k] = Math.max(high[k], a[k], b[k], c[k]);
+    }
+    found.push([normal, center]);
+  }
+  const distance = found.reduce((sum, [normal, center]) => sum + AXES.reduce((s, k) => s + normal[k] * (center[k] - middle[k] / area), 0), 0);
+  return distance < -0.01 * area * Math.hypot(...AXES.map((k) => high[k] - low[k]));
+}
+
 /// Obstacles of one part of the run (they are written anew where it was resumed).
 class Part {
   static async load(given, materials) {
@@ -36,11 +58,11 @@ class Part {
     part.planes = [];
     part.shapes = [];  // by name
     pieces(index, await int32(given.owners)).forEach((piece, owner) => {
-      // Two triangles are a plane, cut out around the bodies; what is closed has more.
-      const isPlane = piece.length === 6;
+      // Two triangles are a plane, cut out around the bodies; what is closed has more. The walls of a vessel are seen behind the bodies.
+      const isPlane = piece.length === 6, kind = isPlane ? "plane" : facesItsMiddle(piece, part.rest) ? "vessel" : "closed";
       const mesh = part.add(piece, materials.transparent.closed, isPlane && new BufferAttribute(new Float32Array(2 * given.vertices), 2));
       if (isPlane) part.planes.push({ piece, mesh });
-      part.shapes.push({ name: given.names[owner], mesh, kind: isPlane ? "plane" : "closed" });
+      part.shapes.push({ name: given.names[owner], mesh, kind });
     });
     part.show({});
     return part;
@@ -95,11 +117,12 @@ export class Obstacles {
     obstacles.group = new Group();
     const look = { color: 0x98a2b0, roughness: 0.9, side: DoubleSide };
     const plane = { ...look, transparent: true, depthWrite: false, alphaMap: fading() };  // fades out, however solid
-    const closed = { ...look, flatShading: true };
+    const closed = { ...look, flatShading: true }, vessel = { ...closed, side: FrontSide };
+    const clear = { transparent: true, depthWrite: false, opacity: 0.5 };
     const materials = {
-      transparent: { plane: new MeshStandardMaterial({ ...plane, opacity: 0.6 }),
-                     closed: new MeshStandardMaterial({ ...closed, transparent: true, depthWrite: false, opacity: 0.5 }) },
-      solid: { plane: new MeshStandardMaterial(plane), closed: new MeshStandardMaterial(closed) } };
+      transparent: { plane: new MeshStandardMaterial({ ...plane, opacity: 0.6 }), closed: new MeshStandardMaterial({ ...closed, ...clear }),
+                     vessel: new MeshStandardMaterial({ ...vessel, ...clear }) },
+      solid: { plane: new MeshStandardMaterial(plane), closed: new MeshStandardMaterial(closed), vessel: new MeshStandardMaterial(vessel) } };
     obstacles.names = [...new Set(given.flatMap((part) => part?.names ?? []))];
     obstacles.parts = await Promise.all(given.map((part) => part && Part.load(part, materials)));
     for (const part of obstacles.parts) if (part) obstacles.group.add(part.group);

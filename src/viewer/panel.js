@@ -15,9 +15,11 @@ export class Panel {
     this.painted = () => {};  // called when other colours are shown
     this.colour = element("select", { id: "colour" });
     this.colour.append(new Option("plain", "none"));
-    if (bodies.names.length > 1) this.colour.append(new Option("Body", "bodies"));
+    if (bodies.areSeveral) this.colour.append(new Option("Body", "bodies"));
     if (view.mechanisms?.hasTension) this.colour.append(new Option("Tension of lines", "tension"));
-    bodies.fields.forEach((field, i) => this.colour.append(new Option(spelt(field.name), i)));
+    // Fields of rods are 0 where there are only fibres, which have a tension.
+    const hasField = ({ name }) => !name.startsWith("rod_") || bodies.result.elements.segments > 0;
+    bodies.fields.forEach((field, i) => hasField(field) && this.colour.append(new Option(spelt(field.name), i)));
     this.component = element("select", { id: "component" });
     [["magnitude", -1], ["x", 0], ["y", 1], ["z", 2]].forEach(([name, value]) => this.component.append(new Option(name, value)));
     const low = (this.low = new NumberField({ id: "low", title: "lowest value of the colours",
@@ -53,7 +55,7 @@ export class Panel {
     this.looks = { bodies: bodies.names.map(() => "solid"), obstacles: {}, mechanisms: {} };
     const obstacles = view.obstacles?.names ?? [];
     for (const name of obstacles) this.looks.obstacles[name] = "transparent";
-    if (bodies.names.length > 1) {
+    if (bodies.areSeveral) {
       place.append(element("h2", { textContent: "Bodies" }), this.choices("body", bodies.names, this.looks.bodies, (i) => i, nameColour));
     }
     if (obstacles.length > 0) {
@@ -89,7 +91,7 @@ export class Panel {
   choices(kind, names, looks, keyOf, colourOf, { looks: allowed = LOOKS, kinds } = {}) {
     const list = element("div", { className: "bodies" });
     names.forEach((name, i) => {
-      if (kind === "body" && this.bodies.result.unseen?.includes(name)) return;
+      if (kind === "body" && !this.bodies.isDrawn[i]) return;
       const choice = element("select", { id: `${kind}-${i}`, title: `how to draw ${name}` });
       for (const look of allowed) choice.append(new Option(look, look));
       choice.value = looks[keyOf(i)];
@@ -130,19 +132,20 @@ export class Panel {
     await this.bodies.need(field);
     const key = `${field} ${component}`;
     if (!this.ranges.has(key)) this.ranges.set(key, this.bodies.range(field, component));
-    const { low, high } = this.ranges.get(key);
+    const { low, high, only } = this.ranges.get(key);
     this.now = { field, component };
-    this.setRange(low, high);
+    this.setRange(low, high, only);
     this.painted();
   }
 
-  setRange(low, high) {
+  /// `only`: the value of all, where it is the same in all frames.
+  setRange(low, high, only) {
     const { field, component } = this.now, { name, unit, scales } = this.bodies.fields[field], kind = mapOf(this.map.value, low, high);
     [this.factor] = handyUnit(unit, Math.max(Math.abs(low), Math.abs(high)));  // as the colour bar has it
     this.low.value = Number((low / this.factor).toPrecision(3));
     this.high.value = Number((high / this.factor).toPrecision(3));
     const part = scales.length === 1 || component < 0 ? "" : ` ${"xyz"[component]}`;
-    this.shown = { label: spelt(name) + part, unit, low, high, kind };
+    this.shown = { label: spelt(name) + part, unit, low, high, only, kind };
     this.view.set({ field, component, low, high, tension: null });
     this.view.paint(kind);
     this.legendAnew();

@@ -52,7 +52,8 @@ function* plotsOf(history, { isStatic, taken }) {
   }
   for (const probe of triples(history, ["_x", "_y", "_z", "_vx"])) {
     const lines = varying([..."xyz"].map((k, i) => [k, history.get(`${probe}_${k}`).map((x, _, all) => x - all[0]), i]));
-    if (lines.length) yield { title: `Probe ${probe}`, note: "moved from the start", unit: "m", lines };
+    const isBody = history.has(`${probe}_qw`);  // a rigid body has a rotation, too
+    if (lines.length) yield { title: `${isBody ? "Body" : "Probe"} ${probe}`, note: `${isBody ? "center " : ""}moved from the start`, unit: "m", lines };
   }
   for (const [suffixes, what, unit] of [[["_fx", "_fy", "_fz"], "Force at", "N"], [["_tx", "_ty", "_tz"], "Torque at", "N m"]]) {
     for (const name of triples(history, suffixes)) {

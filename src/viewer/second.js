@@ -21,17 +21,16 @@ export function namesOf(report) {
 
 /// Bodies of both runs as the panel asks for them: it needs fields of both, and one range of colours.
 function coverBoth(bodies, others) {
-  const own = { need: bodies.need.bind(bodies), range: bodies.range.bind(bodies) };
+  const own = { need: bodies.need.bind(bodies), extremes: bodies.extremes.bind(bodies) };
   const fieldOfOther = (field) => others.fields.findIndex(({ name }) => name === bodies.fields[field].name);
   bodies.need = async (field) => {
     await own.need(field);
     if (fieldOfOther(field) >= 0) await others.need(fieldOfOther(field));
   };
-  bodies.range = (field, component) => {
-    const range = own.range(field, component), other = fieldOfOther(field);
-    if (other < 0) return range;
-    const { low, high } = others.range(other, component);
-    return { low: Math.min(range.low, low), high: Math.max(range.high, high) };
+  bodies.extremes = (field, component) => {
+    const found = [own.extremes(field, component)], other = fieldOfOther(field);
+    if (other >= 0) found.push(others.extremes(other, component));
+    return [Math.min(...found.map(([low]) => low)), Math.max(...found.map(([, high]) => high))];
   };
   return fieldOfOther;
 }

@@ -207,6 +207,9 @@ class MechanismViews(ProgramTest):
             browser.wait("document.documentElement?.dataset.ready === 'yes'")
             self.assertEqual(browser.evaluate("[...document.querySelectorAll('[id^=part-]')].map(c => c.parentElement.textContent.replace(/shown.*/, ''))"),
                              ["flexor, tendon", "coil, spring", "knuckle, hinge", "eye, ball", "pin, hinge"])
+            titles = browser.evaluate("[...document.querySelectorAll('#plots figcaption b')].map(b => b.textContent)")
+            self.assertIn("Body palm", titles)
+            self.assertNotIn("Probe palm", titles)
             draw = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
             browser.evaluate("pliant.panel.colour.value = 'none', pliant.panel.paint()")
             browser.evaluate(draw)

@@ -40,7 +40,7 @@ class Pictures(ProgramTest):
             self.assertGreater(len(np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0)), 100)
         self.pliant("plot", "out", "--of", "kinetic_energy,elastic_energy", "--x", "dt", "--output", "chosen.svg")
         drawn = (self.directory / "chosen.svg").read_text()
-        for words in ("<!-- kinetic_energy -->", "<!-- elastic_energy -->", "<!-- dt [s] -->", "<!-- [J] -->"):
+        for words in ("<!-- kinetic energy -->", "<!-- elastic energy -->", "<!-- dt [s] -->", "<!-- [J] -->"):
             self.assertIn(words, drawn)
 
     def fails(self, status, words, *arguments, ranks=1, environment=None):
@@ -53,8 +53,10 @@ class Pictures(ProgramTest):
     def test_errors_in_one_line(self):
         synthetic.write_result(self.out, num_frames=1, order=1, cubes=(2, 1, 1))
         synthetic.write_history(self.out, num_steps=2)
-        self.fails(2, "^pliant render: there is no result: missing does not exist$", "render", "missing")
-        self.fails(2, "^pliant plot: there is no history: .*history.csv does not exist", "plot", self.directory)
+        self.fails(4, "^pliant render: there is no result: missing does not exist$", "render", "missing")
+        self.fails(4, "^pliant plot: there is no history: .*history.csv does not exist", "plot", self.directory)
+        self.fails(2, "^pliant render: in/finger.yaml is an input, not a result: give the directory of its results, such as out/finger$", "render", "in/finger.yaml")
+        self.fails(2, "^pliant plot: finger.yaml is an input", "plot", "finger.yaml")
         self.fails(2, "--sise.*see pliant render --help", "render", "out", "--sise", "3")
         self.fails(2, "^pliant render: argument --size: invalid WIDTHxHEIGHT value: '3'", "render", "out", "--size", "3")
         self.fails(2, "--hide arm: there is no body.*there are root, tip", "render", "out", "--hide", "root", "--hide", "arm")
@@ -70,12 +72,24 @@ class Pictures(ProgramTest):
         synthetic.write_result(self.out, num_frames=1, order=1, cubes=(2, 1, 1))
         modules = self.directory / "modules"
         modules.mkdir()
-        for module, package, command in (("vtkmodules", "python3-vtk9", "render"), ("matplotlib", "python3-matplotlib", "plot"), ("h5py", "python3-h5py", "plot")):
-            file = modules / f"{module}.py"
-            file.write_text("raise ModuleNotFoundError(name=__name__)\n")
-            self.fails(2, f"^pliant {command}: /usr/bin/python3 has no module '{module}': install the package {package},", command, "out",
-                       environment={"PYTHONPATH": str(modules), "PYTHONDONTWRITEBYTECODE": "1"})
-            file.unlink()
+        empty = {"PYTHONPATH": str(modules), "PYTHONDONTWRITEBYTECODE": "1"}
+        nowhere = {"PATH": str(modules), "PLIANT_PYTHON": "/usr/bin/python3"}  # without Xvfb and ffmpeg
+        other = "; or name another Python in the environment variable PLIANT_PYTHON$"
+        for lacking, line, arguments, environment in (
+                (["vtkmodules"], "lacks 'vtkmodules': apt-get install python3-vtk9" + other, ["render", "out"], empty),
+                (["matplotlib"], "lacks 'matplotlib': apt-get install python3-matplotlib" + other, ["plot", "out"], empty),
+                (["h5py"], "lacks 'h5py': apt-get install python3-h5py" + other, ["plot", "out"], empty),
+                (["matplotlib", "vtkmodules"], "lacks 'matplotlib', 'vtkmodules', and there is no program 'Xvfb', 'ffmpeg': "
+                 "apt-get install python3-matplotlib python3-vtk9 xvfb ffmpeg" + other, ["render", "out", "--movie=mp4"], empty | nowhere),
+                (["matplotlib", "vtkmodules"], "lacks 'matplotlib': apt-get install python3-matplotlib" + other, ["render", "out", "-o", "a.glb"], empty | nowhere),
+                ([], "there is no program 'Xvfb', 'ffmpeg': apt-get install xvfb ffmpeg$", ["render", "out", "--movie", "mp4"], empty | nowhere),
+                ([], "there is no program 'Xvfb': apt-get install xvfb$", ["render", "out"], empty | nowhere)):
+            for module in lacking:
+                (modules / f"{module}.py").write_text("raise ModuleNotFoundError(name=__name__)\n")
+            with self.subTest(line):
+                self.fails(2, f"^pliant {arguments[0]}: (/usr/bin/python3 )?{line}", *arguments, environment=environment)
+            for module in lacking:
+                (modules / f"{module}.py").unlink()
         self.fails(2, "'/missing/python' could not be started: install the package python3", "plot", "out", environment={"PLIANT_PYTHON": "/missing/python"})
         self.fails(70, "its Python code failed \\(exit code 1\\)", "plot", "out", environment={"PLIANT_PYTHON": "/usr/bin/false"})
 

@@ -358,6 +358,51 @@ output: {fields: [displacement, von_mises_stress, FIELD]}
             self.assertLess(time.monotonic(), end)
             time.sleep(0.1)
 
+    def test_fibres_and_vessels(self):
+        """A fibre is not a body; walls of an obstacle that bodies are inside of hide nothing; a field that is 0 has one number."""
+        self.write("bar.geo", """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 0.05, 0.01, 0.01};
+Point(101) = {0, 0.005, 0.005}; Point(102) = {0.05, 0.005, 0.005};
+Line(101) = {101, 102};
+BooleanFragments{ Volume{1}; Delete; }{ Curve{101}; Delete; }
+Physical Volume("bar") = {1};
+Physical Curve("line") = {101};
+Mesh.MeshSizeMax = 0.008;
+""")
+        self.run_input(self.write("in.yaml", """mesh: {file: bar.geo}
+bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.4}}]
+rods: [{name: fibre, curve: line, radius: 0.05 mm, youngs_modulus: 1 GPa, poissons_ratio: 0.3, density: 7800}]
+loads: [{gravity: [0, 0, -9.81]}]
+contact: {obstacles: [{name: vessel, shape: box, point: [0.025, 0.005, 0.02], size: [90 mm, 60 mm, 70 mm], side: inside},
+                      {name: ball, shape: sphere, point: [0, 0.2, 0], radius: 0.02}]}
+time: {method: bdf2, step: 1 ms, end: 2 ms}
+output: {fields: [displacement, contact_pressure, rod_force]}
+"""), output="run")
+        self.assertEqual(self.call("report", "run").returncode, 0)
+        browser = self.open(page=self.directory / "run/report.html")
+        names = lambda query: browser.evaluate(f"[...document.querySelectorAll('{query}')].map(e => e.textContent)")
+        self.assertEqual(names(".bodies .row > span"), ["vessel", "ball", "fibre, rod"])
+        self.assertEqual(names("#colour option"), ["plain", "Tension of lines", "Displacement", "Contact pressure"])
+        self.assertEqual(browser.evaluate("pliant.view.obstacles.parts[0].shapes.map(shape => shape.kind)"), ["vessel", "closed"])
+        draw = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+        pictures = []
+        for look in ("hidden", "solid", "transparent"):
+            browser.evaluate("(() => { const c = document.querySelector('#obstacle-0'); c.value = '%s'; c.onchange(); })()" % look)
+            browser.evaluate(draw)
+            pictures.append(browser.picture("#view").astype(int))
+        bare, solid, clear = pictures
+        height, width = bare.shape[:2]
+        middle = np.s_[height // 2 - 20:height // 2 + 20, width // 2 - 60:width // 2 + 20]  # of the bar
+        for walls in (solid, clear):
+            np.testing.assert_allclose(walls[middle], bare[middle], atol=2)
+            self.assertGreater(np.mean(np.abs(walls - bare).max(axis=2) > 8), 0.2)
+        browser.evaluate("pliant.panel.colour.value = '1', pliant.panel.paint()")
+        browser.evaluate(draw)
+        self.assertEqual(names("#legend .marks span"), ["0"])
+        browser.evaluate("pliant.panel.colour.value = '0', pliant.panel.paint()")
+        browser.evaluate(draw)
+        self.assertGreater(len(names("#legend .marks span")), 2)
+
     def test_arrows(self):
         browser = self.open()
         browser.choose("#colour", "plain")

@@ -107,6 +107,51 @@ def add_mechanisms(directory):
             now["axes"] = np.array([[0.0, 1, 0]])
 
 
+def add_vessel(directory):
+    """A box around everything, whose triangles face its inside, as those of obstacles with `side: inside` do."""
+    corners = np.array(list(itertools.product((-4, 5), (-4, 4), (-4, 4))), dtype=float)
+    faces = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])  # counterclockwise from outside
+    with h5py.File(os.path.join(directory, "result.h5"), "r+") as h5:
+        group = h5.create_group("obstacles")
+        group["points"] = corners
+        group["triangles"] = np.vstack([faces[:, [0, 2, 1]], faces[:, [0, 3, 2]]])
+        group["obstacle"] = np.zeros(12, dtype="i4")
+        group["obstacle"].attrs["names"] = "vessel"
+
+
+def add_rods(directory, has_wire=True):
+    """A fibre along the axis of the bar of linear tetrahedra, which is a body without cells, and a rod `wire` of two segments before it (y < 0),
+    with the forces 1 and 3 N. They stay where they are."""
+    x = np.array([[0.2, -0.4, 0], [0.5, -0.4, 0], [0.8, -0.4, 0], [0.35, -0.38, 0], [0.35, -0.4, 0.02], [0.65, -0.38, 0], [0.65, -0.4, 0.02]])
+    cells = np.array([[0, 1, 3, 4], [1, 2, 5, 6]])[:2 * has_wire]
+    with h5py.File(os.path.join(directory, "result.h5"), "r+") as h5:
+        def extend(group, name, rows, **attributes):
+            values, known = group[name][()], {**group[name].attrs, **attributes}
+            del group[name]
+            group[name] = np.concatenate([values, rows.astype(values.dtype)])
+            group[name].attrs.update(known)
+
+        mesh, num_nodes, num_cells = h5["mesh"], len(h5["mesh/coordinates"]), len(h5["mesh/cells"])
+        extend(mesh, "coordinates", x)
+        extend(mesh, "cells", num_nodes + cells)
+        extend(mesh, "body", np.full(len(cells), 3), names="root\ntip\nfibre\nwire", rods="fibre\nwire")
+        extend(mesh, "rank", np.zeros(len(cells)))
+        group = h5.create_group("mechanisms")
+        lines = np.vstack([[[0.1, 0, 0], [0.9, 0, 0]], x[:3]])[:5 if has_wire else 2]
+        group["points"] = lines
+        group["segments"] = np.array([[0, 1], [2, 3], [3, 4]])[:len(lines) - 2 or 1]
+        group["part"] = np.array([0, 1, 1], dtype="i4")[:len(group["segments"])]
+        group["part"].attrs.update({"names": "fibre\nwire" if has_wire else "fibre", "kinds": "rod\nrod" if has_wire else "rod"})
+        for frame in h5["frames"].values():
+            for name in ("displacement", "velocity"):
+                extend(frame, name, np.zeros((len(x), 3)))
+            extend(frame, "cauchy_stress", np.zeros((len(cells), 6)))
+            frame["rod_force"] = np.append(np.zeros(num_cells), [1.0, 3.0][:len(cells)])
+            frame["rod_force"].attrs.update({"unit": "N", "location": "cell"})
+            now = group.create_group(f"frames/{frame.attrs['step']:06}")
+            now["points"], now["tension"] = lines, np.array([7.0, 1, 3])[:len(group["segments"])]
+
+
 def write_history(directory, num_steps=200):
     t = np.linspace(0, 1, num_steps + 1)
     phase = 2 * np.pi * t

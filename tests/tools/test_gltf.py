@@ -191,6 +191,19 @@ class Models(WithResult):
             np.testing.assert_allclose(z_up(x)[cells], mechanisms.points[mechanisms.segments], atol=2e-4)
         self.assertEqual(set(self.model("--hide", "floor", "--hide", "flexor", "--scale", 2).nodes), {"root", "tip"})
 
+    def test_rods_and_fibres_are_lines(self):
+        """They are bodies without facets, some without cells."""
+        synthetic.write_result(self.directory, num_frames=2, order=1, cubes=(4, 1, 1))
+        synthetic.add_rods(self.directory)
+        glb = self.model("--field", "rod_force")
+        self.assertEqual(list(glb.nodes), ["root", "tip", "mechanisms"])
+        self.assertEqual(len(glb.cells("mechanisms")), 3)
+        self.assertNotIn("COLOR_0", glb.primitive("tip")["attributes"])
+        colours = glb.array(glb.primitive("mechanisms")["attributes"]["COLOR_0"])[glb.cells("mechanisms")][:, 0]
+        self.assertEqual(len(np.unique(colours, axis=0)), 3, "the fibre's, and of each segment of the wire")
+        self.assertEqual(glb.json["scenes"][0]["extras"]["range"], [0, 3])
+        self.assertEqual(list(self.model("--hide", "root", "--hide", "tip").nodes), ["mechanisms"])
+
     def test_a_resumed_run_has_a_mesh_for_each_part(self):
         with h5py.File(self.path("result.h5"), "r+") as h5:
             h5.copy("mesh", "mesh_1")

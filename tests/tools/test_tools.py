@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """The tools on synthetic results: do they draw what is there, and do they say what is wrong in one line?"""
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -9,6 +10,7 @@ import unittest
 
 import h5py
 import numpy as np
+from matplotlib import pyplot as plt
 from PIL import Image
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -19,8 +21,16 @@ sys.dont_write_bytecode = True
 import synthetic  # noqa: E402
 from package import Result, Surface  # noqa: E402
 from pliant import Mesh, von_mises  # noqa: E402
+from pliant.pictures import plot  # noqa: E402
+from pliant.pictures.colours import Colours  # noqa: E402
 from pliant.pictures.cut import CutSurface, Plane, mirror, plane  # noqa: E402
+from pliant.pictures.page import Page  # noqa: E402
+from pliant.pictures.quantity import Quantity, quantity_of  # noqa: E402
+from pliant.pictures.render import parser_of  # noqa: E402
 from pliant.pictures.rods import RodShapes, prisms  # noqa: E402
+from pliant.pictures.shown import Shown  # noqa: E402
+from pliant.result import Obstacles  # noqa: E402
+from pliant.surface import _sphere  # noqa: E402
 
 SMALL = ["--size", "320x240", "--no-axes"]  # which tests of colours would take for bodies
 
@@ -28,6 +38,10 @@ SMALL = ["--size", "320x240", "--no-axes"]  # which tests of colours would take 
 def run(tool, *arguments):
     command = ["/usr/bin/python3", os.path.join(TOOLS, tool), *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+
+
+def render_options(*arguments):
+    return parser_of("render").parse_args([str(word) for word in arguments])
 
 
 class WithResult(unittest.TestCase):
@@ -141,6 +155,69 @@ class Pictures(WithResult):
                     for arguments in ([], ["--hide", "pyramid"], ["--transparent", "pyramid"], ["--hide", "floor", "--hide", "pyramid"])]
         self.assertEqual(len(set(pictures)), 4)
 
+    def test_vessels_hide_nothing(self):
+        """Their walls behind the bodies are drawn, and have no part in the size of the picture."""
+        def picture(*arguments):
+            return np.asarray(Image.open(self.draw("--field=none", "--frame", 0, *arguments, *SMALL)).convert("RGB")).astype(int)
+
+        bare = picture()
+        synthetic.add_vessel(self.directory)
+        within = picture()
+        bar = bare[..., 2] > bare[..., 0] + 15
+        self.assertGreater(bar.mean(), 0.02)
+        is_far = ~np.any([np.roll(bar, (i, j), (0, 1)) != bar for i in (-2, 0, 2) for j in (-2, 0, 2)], axis=0)  # from the edges of the bar
+        np.testing.assert_allclose(within[bar & is_far], bare[bar & is_far], atol=1)
+        self.assertGreater((np.abs(within - bare).max(axis=2) > 10)[40:].mean(), 0.3, "the walls behind")
+        clear = picture("--transparent", "vessel")
+        self.assertGreater(np.abs(clear - within).max(), 10)
+
+    def rod_picture(self, *arguments):
+        """Shares of pixels that are yellow, the end of the scale, and turquoise, a third of it."""
+        image = Image.open(self.draw("--frame", 0, "--view=front", *arguments, *SMALL)).convert("RGB")
+        r, g, b = np.moveaxis(np.asarray(image).astype(int)[30:, :240], 2, 0)
+        return np.mean((g > b + 60) & (r > b + 60)), np.mean(g > r + 40)
+
+    def test_rods_and_fibres(self):
+        synthetic.write_result(self.directory, num_frames=2, order=1, cubes=(4, 2, 2))
+        synthetic.add_rods(self.directory)
+        high, third = self.rod_picture("--field", "rod_force")
+        self.assertGreater(min(high, third), 2e-4, "segments with 3 N and 1 N")
+        self.assertEqual(self.rod_picture("--field", "none"), (0, 0))
+        self.assertEqual(self.rod_picture("--field", "rod_force", "--hide", "wire")[0], 0)
+        high, _ = self.rod_picture("--field", "tension", "--hide", "root", "--hide", "tip", "--hide", "wire")
+        self.assertGreater(high, 2e-4, "the fibre alone")
+        self.draw("--hide", "root", "--hide", "tip", "--cut", "x", "--mesh-edges", "--outline", *SMALL)
+        self.fails("no body or obstacle of this name; there are root, tip, fibre, wire\n", self.directory, "--hide", "arm")
+        self.fails("no body or obstacle of this name; there are root, tip\n", self.directory, "--transparent", "fibre")
+        self.fails("every body is hidden", self.directory, *(word for name in ("root", "tip", "fibre", "wire") for word in ("--hide", name)))
+        names = quantity_of(Result(self.directory), "body").names
+        self.assertEqual(names, ["root", "tip", "", ""])
+
+    def test_fibres_alone_have_a_tension(self):
+        synthetic.write_result(self.directory, num_frames=2, order=1, cubes=(4, 2, 2))
+        synthetic.add_rods(self.directory, has_wire=False)
+        self.fails("--field rod_force: fibres, which only stretch, have no such field; their axial force is --field tension", self.directory, "--field", "rod_force")
+        self.draw("--field", "tension", *SMALL)
+
+    def test_mirrors_have_rods_and_tendons(self):
+        """The image at y = -0.5: seen from above, everything is there twice."""
+        synthetic.write_result(self.directory, num_frames=2, order=1, cubes=(4, 2, 2))
+        synthetic.add_rods(self.directory)
+        plane_at = mirror("y=-0.5")
+        options = render_options(self.directory, "--field", "rod_force", "--mirror", "y=-0.5")
+        result = Result(self.directory)
+        shown = Shown(result, result.frames[:1], options).mechanisms(result[0])
+        count = len(shown.segments) // 2
+        self.assertEqual((count, len(shown.rods)), (3, 4))
+        np.testing.assert_allclose(shown.points[shown.segments[count:]], plane_at.reflected(shown.points[shown.segments[:count]]))
+        points, triangles, segment = prisms(shown.rods, shown.has_rectangle, 1e-6)
+        a, b, c = (points[triangles[:, k]] for k in range(3))
+        volumes = np.bincount(segment, np.einsum("ij,ij->i", np.cross(b - a, c - a), a) / 6)
+        np.testing.assert_allclose(volumes, volumes[0], err_msg="outward normals in the image, too")
+        np.testing.assert_array_equal(shown.rod_colours[2:], shown.rod_colours[:2])
+        y = points[triangles[segment >= 2]][..., 1]
+        np.testing.assert_allclose([y.min(), y.max()], [-0.62, -0.58], atol=1e-12)
+
     def test_cuts_mirrors_maps_and_scale(self):
         """Seen from the front the bar fills a rectangle, from which a scale is read; cut by a plane that the viewer looks along half of
         its height is left, and with its image at its end it is twice as long."""
@@ -221,8 +298,10 @@ class Pictures(WithResult):
         self.assertGreater(len(self.body_pixels(Image.open(self.draw(*SMALL)))), 1000)
 
     def test_mistakes_are_told_in_one_line(self):
-        self.fails("does not exist", self.path("missing"))
-        self.fails("no field 'dispalcement'", self.directory, "--field", "dispalcement")
+        self.fails("does not exist", self.path("missing"), code=4)
+        self.fails("no field 'dispalcement'; did you mean 'displacement'? It has", self.directory, "--field", "dispalcement")
+        self.fails("did you mean 'von_mises_stress'?", self.directory, "--field", "vonmises")
+        self.fails("finger.yaml is an input, not a result: give the directory of its results, such as out/finger\n", self.path("finger.yaml"))
         self.fails("no component 'q'", self.directory, "--field", "velocity_q")
         self.fails("is a tensor", self.directory, "--field", "cauchy_stress")
         self.fails("--frame 3: the result has the frames 0 to 2", self.directory, "--frame", "3")
@@ -236,10 +315,20 @@ class Pictures(WithResult):
         self.fails("picture.xyz", self.directory, "-o", self.path("picture.xyz"))
         with h5py.File(self.path("other.h5"), "w"):
             pass
-        self.fails("is not a result", self.path("other.h5"))
+        self.fails("is not a result", self.path("other.h5"), code=4)
         with open(self.path("text.h5"), "w", encoding="utf-8") as text:
             text.write("no HDF5")
-        self.fails("is not an HDF5 file", self.path("text.h5"))
+        self.fails("is not an HDF5 file", self.path("text.h5"), code=4)
+
+    def test_fields_that_are_zero_have_one_number_at_their_bar(self):
+        colours = Colours(0.0, 0.0)
+        self.assertEqual((colours.only, Colours(0.0, 1.0).only, Colours(-2.0, -2.0).only), (0.0, None, -2.0))
+        bar = [np.asarray(Page((640, 400), "", Quantity("displacement", -1, "displacement", "m", []), c).compose(np.zeros((10, 10, 3), np.uint8), ""))[:, -68:]
+               for c in (colours, Colours(0.0, 1.0))]
+        rows = [(np.abs(image.astype(int) - [45, 49, 57]).max(axis=2) < 150).any(axis=1)[120:] for image in bar]  # of the numbers
+        count = [np.count_nonzero(np.diff(row.astype(int)) == 1) for row in rows]
+        self.assertEqual(count[0], 1)
+        self.assertGreater(count[1], 3)
 
 
 class SurfaceOfBlock(WithResult):
@@ -349,10 +438,67 @@ class SurfaceOfBlock(WithResult):
         np.testing.assert_allclose(surface.of_nodes(quadratic(mesh.coordinates)), quadratic(points), atol=1e-14)
         np.testing.assert_allclose(surface.of_cells(np.full((len(mesh.cells), 1), 7.0)), 7.0)
 
+    def test_fields_do_not_overshoot(self):
+        """Random values at nodes, and a peak at one: points have values between those of the nodes around them; linear fields are exact."""
+        synthetic.write_result(self.directory, num_frames=1, order=2, cubes=(3, 2, 2))
+        mesh = Result(self.directory)[0].mesh
+        surface, cells = Surface(mesh, divisions=4), np.arange(len(mesh.cells))
+        peak = np.zeros((len(mesh.coordinates), 1))
+        peak[surface._nodes[0, 0]] = 1
+        noise = np.random.default_rng(3).uniform(0, 1, (len(mesh.coordinates), 2))
+        self.assertLess(surface.of_nodes(peak).min(), -0.1, "positions follow the elements, whose shape functions overshoot")
+        linear = mesh.coordinates @ [[1.0], [2], [3]] + 4
+        for shown in (surface, CutSurface(surface, mesh, cells, Plane(np.array([0, 1.0, 0]), 0.03))):
+            for values in (peak, noise):
+                found = shown.field_of_nodes(values)
+                self.assertGreaterEqual(found.min(), 0)
+                self.assertLessEqual(found.max(), 1)
+            np.testing.assert_allclose(shown.field_of_nodes(linear), shown.of_nodes(linear), atol=1e-12)
+            of_cells = shown.of_cells(np.eye(1, len(cells), 5).T)
+            self.assertGreaterEqual(of_cells.min(), 0)
+        # Facet by facet: within the range of its own six nodes.
+        low, high = (bound(noise[surface._nodes[surface.triangles.reshape(-1, 16, 3)]], axis=(1, 2, 3)) for bound in (np.min, np.max))
+        found = surface.field_of_nodes(noise)[surface.triangles.reshape(-1, 16, 3)]
+        self.assertTrue((found >= low[:, None, None]).all() and (found <= high[:, None, None]).all())
+        frame = Result(self.directory)[0]
+        of_vectors = quantity_of(frame.result, "velocity").at_points(frame, surface)
+        self.assertLessEqual(of_vectors.max(), np.linalg.norm(frame["velocity"], axis=1).max())
+
+    def test_which_obstacles_are_vessels(self):
+        sphere, of_sphere = _sphere(2)
+        angles = 2 * np.pi * np.arange(12) / 12
+        rings = [np.column_stack([np.cos(angles), np.sin(angles), np.full(12, z)]) for z in (-10, 10)]
+        k, following = np.arange(12), (np.arange(12) + 1) % 12
+        tube = np.concatenate([np.stack([k, following, 12 + following], axis=1), np.stack([k, 12 + following, 12 + k], axis=1)])  # from outside
+        x, y = (grid.ravel() for grid in np.meshgrid(np.arange(9.0), np.arange(9.0)))
+        waves = np.column_stack([x, y, 0.3 * np.sin(x)])
+        corner = (np.arange(8)[:, None] + 9 * np.arange(8)).ravel()
+        sheet = np.concatenate([np.stack([corner, corner + 1, corner + 10], axis=1), np.stack([corner, corner + 10, corner + 9], axis=1)])
+        for points, triangles, expected in ((sphere, of_sphere, False), (sphere, of_sphere[:, ::-1], True), (np.vstack(rings), tube, False),
+                                            (np.vstack(rings), tube[:, ::-1], True), (waves, sheet, False), (waves, sheet[:, ::-1], False)):
+            obstacles = Obstacles(points, triangles, np.zeros(len(triangles), dtype=int), ["one"])
+            self.assertEqual(obstacles.vessels(), [0] if expected else [])
+
     def test_von_mises(self):
         # Uniaxial tension, pure shear, pressure.
         stress = np.array([[3.0, 0, 0, 0, 0, 0], [0, 0, 0, 1, 0, 0], [2, 2, 2, 0, 0, 0]])
         np.testing.assert_allclose(von_mises(stress), [3, np.sqrt(3), 0])
+
+
+class Texts(WithResult):
+    def test_what_is_printed_is_short(self):
+        synthetic.write_result(self.directory, num_frames=3, order=1, cubes=(4, 2, 2))
+        synthetic.add_rods(self.directory)
+        result = Result(self.directory)
+        self.assertEqual(repr(result.rods), "{'fibre': Line(3 frames, 2 points), 'wire': Line(3 frames, 3 points)}")
+        mesh = result[0].mesh
+        self.assertEqual(repr(mesh), f"Mesh({len(mesh.coordinates)} nodes, {len(mesh.cells)} cells; root, tip, fibre, wire)")
+        self.assertEqual(repr(result[0].field("rod_force")), f"Field({len(mesh.cells)} cells x 1, N)")
+        self.assertEqual(repr(result[0].mechanisms), "Mechanisms(fibre: rod, wire: rod; 3 segments)")
+        self.assertIn("<th>bodies</th><td>root, tip</td>", re.sub(r" (style|class)=\S+?(?=>)|\n", "", result._repr_html_()))
+        result.close()
+        synthetic.add_vessel(self.directory)
+        self.assertEqual(repr(Result(self.directory)[0].obstacles), "Obstacles(vessel; 12 triangles)")
 
 
 class Plots(WithResult):
@@ -375,6 +521,33 @@ class Plots(WithResult):
                 heights.append(picture.size[1])
         self.assertGreater(heights[1], heights[0] + 300)  # a row of two more
 
+    def test_axes_have_handy_units_and_words(self):
+        """A single plot fills the picture; numbers at its axes are small ones with the unit of the label."""
+        history = {"time": np.linspace(0, 0.03, 4), "chamber_pressure": np.linspace(0, 8e4, 4), "chamber_volume": np.linspace(1e-6, 5e-6, 4),
+                   "wall_fz": np.linspace(-0.02, 0.05, 4), "tip_ux": np.zeros(4), "hinge_tx": np.linspace(0, 2e3, 4)}
+
+        def axes_of(columns, x=None):
+            with plt.rc_context(plot.STYLE):
+                figure = plot.draw(history, "title", {}, "", columns, x)
+                figure.canvas.draw()
+                self.addCleanup(plt.close, figure)
+            shown = [[axis.get_label_text(), *(text.get_text() for text in axis.get_ticklabels())] for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
+            self.assertEqual({axis.get_offset_text().get_text() for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)}, {""})
+            return figure, shown
+
+        figure, (x, y) = axes_of(["chamber_pressure"], "chamber_volume")
+        self.assertGreater(figure.axes[0].get_position().x1, 0.95)
+        self.assertEqual((x[0], y[0]), ("volume of chamber [cm³]", "pressure in chamber [kPa]"))
+        self.assertIn("20", y)
+        self.assertIn("3", [text.removesuffix(".0") for text in x])
+        figure, (x, y) = axes_of(["wall_fz"])
+        self.assertEqual((x[0], y[0]), ("time [ms]", "force of wall in z [mN]"))
+        self.assertIn("\u221220", y)
+        self.assertEqual(axes_of(["tip_ux"])[1][1][0], "displacement of tip in x [m]")
+        figure, shown = axes_of(["wall_fz", "hinge_tx"])
+        self.assertEqual([label for label, *_ in shown], ["time [ms]", "force of wall in z [mN]", "time [ms]", "torque of hinge about x [kN m]"])
+        self.assertEqual(len(figure.axes), 2)
+
     def test_history_of_the_initial_state_alone(self):
         synthetic.write_history(self.directory, num_steps=1)
         with open(self.path("history.csv"), encoding="utf-8") as history:
@@ -384,10 +557,10 @@ class Plots(WithResult):
         self.draw(tool="plot.py")
 
     def test_mistakes_are_told_in_one_line(self):
-        self.fails("does not exist", self.directory, tool="plot.py")
+        self.fails("does not exist", self.directory, tool="plot.py", code=4)
         with open(self.path("history.csv"), "w", encoding="utf-8") as history:
             history.write("a,b\n1,2\n")
-        self.fails("is not a history", self.directory, tool="plot.py")
+        self.fails("is not a history", self.directory, tool="plot.py", code=4)
         synthetic.write_history(self.directory)
         self.fails("plot.xyz", self.directory, "-o", self.path("plot.xyz"), tool="plot.py")
 

@@ -2,7 +2,9 @@
 import argparse
 import sys
 
-WRONG, FILE = 2, 4
+from .error import FILE
+
+WRONG = 2
 
 
 class Parser(argparse.ArgumentParser):
@@ -16,11 +18,12 @@ def report(program, message, code=WRONG):
 
 
 def exit_code(program, work, correctable, output, kinds):
-    """Does the work. `correctable` are the exceptions for errors that the user can correct; `output` is written as one of `kinds`."""
+    """Does the work. `correctable` are the exceptions for errors that the user can correct, with their exit codes where they have some;
+    `output` is written as one of `kinds`."""
     try:
         work()
     except correctable as error:
-        return report(program, error)
+        return report(program, error, getattr(error, "code", None) or WRONG)
     except OSError as error:
         return report(program, f"{error.filename}: {error.strerror}" if error.filename else error, FILE)
     except ValueError as error:

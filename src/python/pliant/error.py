@@ -1,4 +1,8 @@
 """What went wrong, as one exception."""
+import difflib
+from collections.abc import Iterable
+
+FILE = 4  # the code of files that cannot be read or written
 
 
 class PliantError(Exception):
@@ -25,3 +29,9 @@ class SolveError(PliantError, RuntimeError):
 
     def __init__(self, message: str) -> None:
         super().__init__(message, 3)
+
+
+def did_you_mean(name: str, known: "Iterable[str]") -> str:
+    """`did you mean 'x'? `, where one of the names is like it; else nothing."""
+    close = difflib.get_close_matches(name, list(known), 1)
+    return f"did you mean '{close[0]}'? " if close else ""

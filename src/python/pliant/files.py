@@ -6,16 +6,16 @@ from typing import Any
 
 import h5py
 
-from .error import PliantError
+from .error import FILE, PliantError
 
 
 def opened(file: str, check: "Callable[[h5py.File], Any]" = lambda _: None) -> h5py.File:
     """Opens a file for reading, without locks, and reads what `check` does. A run that is just adding to it may be met between two
     of its writes; a moment later all is well."""
     if not os.path.isfile(file):
-        raise PliantError(f"{file} does not exist")
+        raise PliantError(f"{file} does not exist", FILE)
     if not h5py.is_hdf5(file):
-        raise PliantError(f"{file} is not an HDF5 file")
+        raise PliantError(f"{file} is not an HDF5 file", FILE)
     reason = ""
     for attempt in range(5):
         h5 = None
@@ -28,7 +28,14 @@ def opened(file: str, check: "Callable[[h5py.File], Any]" = lambda _: None) -> h
                 h5.close()
             reason = str(error)
             time.sleep(0.2 * attempt)
-    raise PliantError(f"{file} cannot be read: {reason}")
+    raise PliantError(f"{file} cannot be read: {reason}", FILE)
+
+
+def refuse_input(path: str) -> None:
+    """PliantError for the input of a run where its results are expected."""
+    name, ending = os.path.splitext(os.path.basename(path))
+    if ending.lower() in (".yaml", ".yml") and not os.path.isdir(path):
+        raise PliantError(f"{path} is an input, not a result: give the directory of its results, such as out/{name}")
 
 
 def text(value: Any) -> str:

@@ -8,7 +8,8 @@ from typing import Any, Union
 import numpy as np
 
 from . import notebook
-from .error import PliantError
+from .error import FILE, PliantError
+from .files import refuse_input
 
 
 class History(Mapping[str, np.ndarray]):
@@ -20,19 +21,20 @@ class History(Mapping[str, np.ndarray]):
     def __init__(self, path: Union[str, "os.PathLike[str]"]) -> None:
         """`path`: the output directory of a run, or its history.csv."""
         file = os.fspath(path)
+        refuse_input(file)
         file = os.path.join(file, "history.csv") if os.path.isdir(file) else file
         if not os.path.isfile(file):
-            raise PliantError(f"there is no history: {file} does not exist")
+            raise PliantError(f"there is no history: {file} does not exist", FILE)
         with open(file, newline="", encoding="utf-8") as lines:
             rows = list(csv.reader(line for line in lines if line.endswith("\n")))
         names = rows[0] if rows else []
         complete = [row for row in rows[1:] if len(row) == len(names)]
         if "time" not in names or not complete:
-            raise PliantError(f"{file} is not a history of a run, or holds no step yet")
+            raise PliantError(f"{file} is not a history of a run, or holds no step yet", FILE)
         try:
             table = np.array(complete, dtype=float)
         except ValueError as error:
-            raise PliantError(f"{file}: {error}") from error
+            raise PliantError(f"{file}: {error}", FILE) from error
         self.file = file
         self._columns = {name: table[:, i] for i, name in enumerate(names)}
 

@@ -174,7 +174,7 @@ def result_as_html(result: "Result") -> str:
     last, mesh = result[-1], result[-1].mesh
     kind = "quadratic" if mesh.cells.shape[1] == 10 else "linear"
     rows = [("file", result.file), ("frames", f"{len(result)}, {of_times(result.times, result.file)}"),
-            ("mesh", f"{elements_of(mesh, kind)}, {len(mesh.coordinates):,} nodes"), ("bodies", ", ".join(mesh.body_names))]
+            ("mesh", f"{elements_of(mesh, kind)}, {len(mesh.coordinates):,} nodes"), ("bodies", ", ".join(mesh.bodies_with_surface) or "-")]
     if last.obstacles is not None:
         rows.append(("obstacles", ", ".join(last.obstacles.names)))
     if last.mechanisms is not None:

@@ -8,8 +8,8 @@ import h5py
 import numpy as np
 
 from . import notebook
-from .error import PliantError
-from .files import opened, text
+from .error import FILE, PliantError, did_you_mean
+from .files import opened, refuse_input, text
 
 
 @dataclasses.dataclass(frozen=True)
@@ -30,6 +30,15 @@ class Mesh:
     #: Those of the rods that have a rectangular section.
     rectangular_rods: "list[str]" = dataclasses.field(default_factory=list)
 
+    @property
+    def bodies_with_surface(self) -> "list[str]":
+        """Names of the bodies that are neither rods nor parts of them. Fibres, which only stretch, are rods with a name here and no cells."""
+        has_cells = np.bincount(self.body, minlength=len(self.body_names)) > 0
+        return [name for name, is_there in zip(self.body_names, has_cells) if is_there and name not in (*self.rods, *self.sections)]
+
+    def __repr__(self) -> str:
+        return f"Mesh({len(self.coordinates):,} nodes, {len(self.cells):,} cells; {', '.join([*self.bodies_with_surface, *self.rods])})"
+
 
 @dataclasses.dataclass(frozen=True)
 class Obstacles:
@@ -40,15 +49,34 @@ class Obstacles:
     obstacle: np.ndarray  #: index of the obstacle of each triangle
     names: "list[str]"
 
+    def __repr__(self) -> str:
+        return f"Obstacles({', '.join(self.names)}; {len(self.triangles):,} triangles)"
+
     def planes(self) -> "list[np.ndarray]":
         """The four points of each plane's square, in order around it: two triangles, where what is closed has more."""
         found = [self.triangles[self.obstacle == k] for k in range(len(self.names))]
         return [np.append(triangles[0], triangles[1, 2]) for triangles in found if len(triangles) == 2]
 
+    def vessels(self) -> "list[int]":
+        """Those that bodies are inside of (`side: inside`): their triangles face their middle. Indices into names."""
+        return [k for k in range(len(self.names)) if _faces_its_middle(self.points[self.triangles[self.obstacle == k]])]
+
     def points_of_others(self) -> np.ndarray:
         """Positions of the obstacles that are not planes."""
         count = np.bincount(self.obstacle, minlength=len(self.names))
         return self.points[np.unique(self.triangles[count[self.obstacle] != 2])]
+
+
+def _faces_its_middle(x: np.ndarray) -> bool:
+    """Whether triangles (rows x 3 corners x 3) enclose the side that they face: their mean distance from their middle along their normals,
+    which is 0 of a plane, is negative, by more than a hundredth of their extent. Tubes and bowls that are open count, too."""
+    if len(x) == 0:
+        return False
+    normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+    area, middle = np.linalg.norm(normal, axis=1), x.mean(axis=1)
+    center = area @ middle / max(area.sum(), 1e-300)
+    extent = np.linalg.norm(np.ptp(x.reshape(-1, 3), axis=0))
+    return bool(np.einsum("ij,ij->", normal, middle - center) < -0.01 * extent * area.sum())
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,6 +92,9 @@ class Mechanisms:
     joints: np.ndarray  #: the point where each joint is; joints are the last of the names
     axes: np.ndarray  #: num_joints x 3, of unit length; zero of joints without an axis
 
+    def __repr__(self) -> str:
+        return f"Mechanisms({', '.join(f'{name}: {kind}' for name, kind in zip(self.names, self.kinds))}; {len(self.segments):,} segments)"
+
     def points_along(self, part: int) -> np.ndarray:
         """The points of a tendon, a spring or a rod in their order, numbers."""
         segments = self.segments[self.part == part]
@@ -72,10 +103,13 @@ class Mechanisms:
 
 @dataclasses.dataclass(frozen=True)
 class Line:
-    """A tendon or a spring in all frames."""
+    """A tendon, a spring or a rod in all frames."""
 
     points: np.ndarray  #: num_frames x num_points x 3, from the pulled end of a tendon [m]
     tension: np.ndarray  #: num_frames x (num_points - 1), of each segment; of a spring its force, positive where it pulls [N]
+
+    def __repr__(self) -> str:
+        return f"Line({self.points.shape[0]} frames, {self.points.shape[1]} points)"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -86,6 +120,9 @@ class Joint:
     point: np.ndarray  #: num_frames x 3, where it is on its second body [m]
     axis: np.ndarray  #: num_frames x 3, of unit length, with its first body; zero if it has none
 
+    def __repr__(self) -> str:
+        return f"Joint({self.type}, {len(self.point)} frames)"
+
 
 @dataclasses.dataclass(frozen=True)
 class Field:
@@ -94,6 +131,10 @@ class Field:
     values: np.ndarray  #: rows x components; symmetric tensors have xx yy zz xy yz xz
     unit: str
     on_nodes: bool
+
+    def __repr__(self) -> str:
+        rows, components = self.values.shape
+        return f"Field({rows:,} {'nodes' if self.on_nodes else 'cells'} x {components}{', ' + self.unit if self.unit else ''})"
 
 
 def von_mises(stress: np.ndarray) -> np.ndarray:
@@ -143,7 +184,8 @@ class Frame:
             return Field(von_mises(stress.values)[:, None], stress.unit, stress.on_nodes)
         if name in ("body", "rank"):
             return Field(self.result.h5[self.mesh_group][name][()].astype(float)[:, None], "", False)
-        raise PliantError(f"the result has no field '{name}'; it has {', '.join(self.field_names)}")
+        near = did_you_mean(name, self.field_names)
+        raise PliantError(f"the result has no field '{name}'; {near}{'It' if near else 'it'} has {', '.join(self.field_names)}")
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Values alone: rows x components, of fields with one component as many as rows."""
@@ -229,24 +271,25 @@ class Result(Sequence[Frame]):
         self.close()
         self.h5 = opened(self.file, _newest_frame)  #: the file itself, for what is not here
         if text(self.h5.attrs.get("format", "")) != "pliant-result":
-            raise PliantError(f"{self.file} is not a result of Pliant")
+            raise PliantError(f"{self.file} is not a result of Pliant", FILE)
         version = self.h5.attrs["version"]
         if version != VERSION:
             raise PliantError(f"{self.file} has version {version} of the format, and this module reads version {VERSION}; "
-                              "read it with the Pliant that wrote it")
+                              "read it with the Pliant that wrote it", FILE)
         self.title = text(self.h5.attrs.get("title", ""))
         self.frames = [Frame(self, name) for name in sorted(self.h5["frames"])]
         if not self.frames:
-            raise PliantError(f"{self.file} holds no frame yet")
+            raise PliantError(f"{self.file} holds no frame yet", FILE)
 
     @staticmethod
     def _find(path: str) -> str:
+        refuse_input(path)
         if os.path.isdir(path):
             path = os.path.join(path, "result.h5")
         elif path.endswith(".xdmf"):
             path = path[: -len(".xdmf")] + ".h5"
         if not os.path.isfile(path):
-            raise PliantError(f"there is no result: {path} does not exist")
+            raise PliantError(f"there is no result: {path} does not exist", FILE)
         return path
 
     def close(self) -> None:

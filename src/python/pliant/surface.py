@@ -114,12 +114,21 @@ class Surface:
         self.face_of_triangle = np.append(self.face_of_triangle, np.repeat(faces, len(triangles)))
 
     def of_nodes(self, values: np.ndarray) -> np.ndarray:
-        """Nodal values (rows x components) at the points."""
+        """Nodal values (rows x components) at the points, interpolated by the shape functions of the elements, as positions are. Those of
+        quadratic elements overshoot: between nodes with the values 0, 0 and 1 they are negative."""
         return np.einsum("pk,pkc->pc", self._weights, values[self._nodes])
 
+    def field_of_nodes(self, values: np.ndarray) -> np.ndarray:
+        """Nodal values (rows x components) at the points as `of_nodes` has them, but not beyond those of the nodes around each point: for
+        fields, which would otherwise seem to have values that occur nowhere."""
+        of_nodes, around = values[self._nodes], (self._weights != 0)[..., None]
+        low = np.where(around, of_nodes, np.inf).min(axis=1)
+        high = np.where(around, of_nodes, -np.inf).max(axis=1)
+        return np.clip(self.of_nodes(values), low, high)
+
     def of_cells(self, values: np.ndarray) -> np.ndarray:
-        """Cell values at the points: first averaged to the nodes."""
-        return self.of_nodes(self.nodal_means(values))
+        """Cell values at the points: first averaged to the nodes, then as `field_of_nodes`."""
+        return self.field_of_nodes(self.nodal_means(values))
 
     def nodal_means(self, values: np.ndarray) -> np.ndarray:
         """Cell values averaged to the nodes of the mesh, weighted by volume; 0 away from the cells of the surface."""

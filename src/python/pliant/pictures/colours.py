@@ -19,6 +19,7 @@ class Colours:
         self.diverging = name == "diverging"
         if self.diverging:
             low, high = -max(abs(low), abs(high)), max(abs(low), abs(high))
+        self.only = None if high > low else low  # the value of all, where it is the same
         if not high > low:
             low, high = (low, low + 1) if low == 0 else (low - abs(low) / 2, low + abs(low) / 2)
         self.low, self.high = low, high

@@ -26,6 +26,10 @@ class Plane:
         """Above the plane, along the normal [m]."""
         return points @ self.normal - self.offset
 
+    def reflected(self, points):
+        """Images of points, ... x 3."""
+        return points - 2 * self.heights(points)[..., None] * self.normal
+
 
 def plane(text):
     """`y`, `y=0.01`, `1,0,1=0.02`; ValueError if it is none of these."""
@@ -74,11 +78,19 @@ class CutSurface:
         self.triangles, self.element_edges = (number[:self.triangles.size].reshape(-1, 3), number[self.triangles.size:].reshape(-1, 2))
 
     def of_nodes(self, values):
-        outside = self._whole.of_nodes(values)
-        return np.concatenate([outside, _between(outside, *self._new), _between(values, *self._section)])[self._used]
+        return self._cut(self._whole.of_nodes(values), values)
+
+    def field_of_nodes(self, values):
+        return self._cut(self._whole.field_of_nodes(values), values)
 
     def of_cells(self, values):
-        return self.of_nodes(self._whole.nodal_means(values))
+        return self.field_of_nodes(self.nodal_means(values))
+
+    def nodal_means(self, values):
+        return self._whole.nodal_means(values)
+
+    def _cut(self, outside, values):
+        return np.concatenate([outside, _between(outside, *self._new), _between(values, *self._section)])[self._used]
 
 
 def _between(values, pairs, share):

@@ -61,7 +61,7 @@ class Model:
         extras = {"title": self._result.title, "time": shown.time, "step": shown.step}
         if quantity is not None:
             extras.update({"colours": quantity.label, "unit": quantity.unit})
-            extras.update({"names": quantity.names} if quantity.names else {"range": [float(colours.low), float(colours.high)]})
+            extras.update({"names": [name for name in quantity.names if name]} if quantity.names else {"range": [float(colours.low), float(colours.high)]})
         title = self._options.title if self._options.title is not None else self._result.title
         self._document.describe(title or "Pliant", extras)
 
@@ -85,10 +85,12 @@ class Model:
                 continue
             cells = np.nonzero(mesh.body == number)[0]
             surface = Surface(mesh, 1, cells=cells)
+            if len(surface.triangles) == 0:  # a rod or a fibre, which the mechanisms have
+                continue
             if mesh.cells.shape[1] == 10 and len(surface.cell_of_face) < MOST_FINE_FACES:
                 surface = Surface(mesh, 2, cells=cells)
             of_triangle, of_point = None, None
-            if shown.quantity is not None and not shown.by_tension:
+            if shown.quantity is not None and not shown.is_of_lines:
                 values = shown.quantity.at_points(coloured, surface)
                 if shown.is_by_face:
                     of_triangle = values[surface.face_of_triangle]
@@ -110,8 +112,6 @@ class Model:
             positions = mesh.coordinates + options.scale * displacement
             for part, surface, source in bodies:
                 part.positions[i] = y_up(surface.of_nodes(positions)[source])
-        if not bodies:
-            raise PliantError("--hide: every body is hidden")
         return [part for part, _, _ in bodies]
 
     def _obstacles(self, frames):

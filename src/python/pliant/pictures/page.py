@@ -19,12 +19,12 @@ def font(size, bold=False):
 
 def prefixed(unit, largest):
     """The factor and the unit that give handy numbers: 2.3e5 Pa as 230 kPa."""
-    if unit not in ("m", "Pa", "m/s", "N", "J", "W", "m/s^2", "N/m^2"):
+    if unit not in ("m", "s", "Pa", "m/s", "N", "J", "W", "m/s^2", "N/m^2"):
         return 1.0, unit
     for prefix, factor in (("µ", 1e-6), ("m", 1e-3), ("", 1.0), ("k", 1e3), ("M", 1e6), ("G", 1e9)):
         if largest < 1000 * factor:
             break
-    if unit.startswith("m") and factor > 1:
+    if unit.startswith(("m", "s")) and factor > 1:
         prefix, factor = "", 1.0
     return factor, prefix + unit
 
@@ -35,10 +35,15 @@ def ticks(low, high):
     power = 10 ** np.floor(np.log10(step))
     step = power * min((1, 2, 2.5, 5, 10), key=lambda m: abs(m - step / power))
     values = np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step
+    return values, decimals_of(values, step)
+
+
+def decimals_of(values, step):
+    """How many decimals values need that are `step` apart."""
     decimals = 0
     while decimals < 8 and not np.allclose(np.round(values, decimals), values, rtol=0, atol=1e-6 * step):
         decimals += 1
-    return values, decimals
+    return decimals
 
 
 def round_length(most):
@@ -105,7 +110,7 @@ class Page:
         h, c = self._unit, self._colours
         x, width = self.size[0] - self.bar_width + 2 * h, round(2.6 * h)
         top, bottom = round(27 * h), round(88 * h)
-        values = np.linspace(c.high, c.low, bottom - top)
+        values = np.linspace(c.high, c.low, bottom - top) if c.only is None else np.full(bottom - top, c.only)
         strip = np.repeat(c(values)[:, None, :], width, axis=1)
         page.paste(Image.fromarray(strip), (round(x), top))
         factor, unit = prefixed(self._quantity.unit, max(abs(c.low), abs(c.high)))
@@ -114,6 +119,8 @@ class Page:
         if -3 <= exponent < 5:
             exponent = 0
         values, decimals = ticks(low / 10.0**exponent, high / 10.0**exponent)
+        if c.only is not None:
+            values, decimals = self._only_tick(c.only / factor / 10.0**exponent)
         for value in values:
             y = bottom + (value * 10.0**exponent - low) / (high - low) * (top - bottom)
             draw.line([(x + width, y), (x + width + 0.8 * h, y)], FAINT_INK, max(1, round(0.2 * h)))
@@ -121,6 +128,11 @@ class Page:
                       font(2.4 * h), anchor="lm")
         scale = f"10{_superscript(exponent)} " if exponent else ""
         self._draw_label(draw, x, f"[{scale}{_typeset(unit)}]" if unit or scale else "")
+
+    @staticmethod
+    def _only_tick(value):
+        """The value that is everywhere, and decimals for four digits of it."""
+        return [value], 0 if value == 0 else max(0, 3 - int(np.floor(np.log10(abs(value)))))
 
     def _draw_label(self, draw, x, unit):
         h = self._unit
@@ -136,9 +148,10 @@ class Page:
         h = self._unit
         x = self.size[0] - self.bar_width + 2 * h
         self._draw_label(draw, x, "")
-        for i, name in enumerate(self._quantity.names[:16]):
+        drawn = [(number, name) for number, name in enumerate(self._quantity.names) if name]
+        for i, (number, name) in enumerate(drawn[:16]):
             y = (24.5 + 4 * i) * h
-            draw.rectangle([x, y, x + 2.4 * h, y + 2.4 * h], fill=tuple(self._colours(np.array([i]))[0]))
+            draw.rectangle([x, y, x + 2.4 * h, y + 2.4 * h], fill=tuple(self._colours(np.array([number]))[0]))
             draw.text((x + 3.6 * h, y + 1.2 * h), name, INK, font(2.4 * h), anchor="lm")
 
 

@@ -1,5 +1,4 @@
 """Draws the history of a run: energies and their balance, probes, forces, cavities, joints and tendons, and what each step cost."""
-import difflib
 import os
 
 import matplotlib
@@ -8,10 +7,12 @@ import yaml
 from matplotlib import pyplot as plt
 
 from pliant import History, PliantError, Result
+from pliant.error import did_you_mean
 from pliant.notebook import unit_of
 
 from ..command_line import Parser, exit_code
 from .analysis import counted
+from .axes import column_in_words, use_handy_units
 from .quantity import quantity_of
 
 COLOURS = ["#3b6fb6", "#d1603d", "#3f9c6b", "#8a63b8", "#c79a2b", "#4aa5b5", "#b5507c", "#6d7580"]
@@ -76,7 +77,8 @@ def draw_lines(axes, time, title, label, lines):
 
 def draw_probes(axes, time, history, probes):
     positions = {f"{probe} {axis}": history[f"{probe}_{axis}"] for probe in probes for axis in "xyz"}
-    draw_lines(axes, time, "Probes", "moved from the start by [m]", {name: x - x[0] for name, x in positions.items()})
+    title = "Probes and centers of rigid bodies" if any(f"{probe}_qw" in history for probe in probes) else "Probes"
+    draw_lines(axes, time, title, "moved from the start by [m]", {name: x - x[0] for name, x in positions.items()})
 
 
 def ways(history):
@@ -136,11 +138,11 @@ def draw_column(axes, time, history, name, title):
     what, unit = title
     axes.set_title(what)
     axes.plot(time, history[name], color=COLOURS[3])
-    axes.set_ylabel(labelled(name, unit))
+    axes.set_ylabel(f"{name} [{unit}]" if unit else name)
 
 
 def labelled(name, unit):
-    return f"{name} [{unit}]" if unit else name
+    return f"{column_in_words(name, unit)} [{unit}]" if unit else name
 
 
 def draw_mesh_error(axes, time, history):
@@ -232,7 +234,7 @@ def chosen_columns(history, names, taken, x):
     for unit, columns in by_unit.items():
         def draw_them(axes, time, h, unit=unit, columns=columns):
             for name in columns:
-                axes.plot(h[x] if x else time, h[name], label=name)
+                axes.plot(h[x] if x else time, h[name], label=column_in_words(name, unit_of_column(name, taken)))
             axes.set_ylabel(labelled(columns[0], unit_of_column(columns[0], taken)) if len(columns) == 1 else f"[{unit}]")
             if len(columns) > 1:
                 show_legend(axes)
@@ -243,9 +245,7 @@ def chosen_columns(history, names, taken, x):
 
 def require(history, option, name):
     if name not in history:
-        close = difflib.get_close_matches(name, list(history), 1)
-        raise PliantError(f"--{option} {name}: the history has no such column" + (f"; did you mean '{close[0]}'?" if close else
-                          "; it has " + ", ".join(history)))
+        raise PliantError(f"--{option} {name}: the history has no such column; {did_you_mean(name, history) or 'it has ' + ', '.join(history)}".strip())
 
 
 LABELS = {"path": "length of the path", "load": "load factor", "": "time [s]"}
@@ -256,8 +256,10 @@ def draw(history, title, taken, counts="", columns=(), x=None):
     drawings = [lambda axes, time, h, way=way: draw_path(axes, h, *way) for way in along[:4]] + panels(history, taken)
     if columns:
         drawings = list(chosen_columns(history, columns, taken, x))
-    num_rows = max(1, -(-len(drawings) // 2))
-    figure, grid = plt.subplots(num_rows, 2, figsize=(12, 0.5 + 2.9 * num_rows), squeeze=False, layout="constrained")
+    num_columns = min(2, max(1, len(drawings)))
+    num_rows = max(1, -(-len(drawings) // num_columns))
+    size = (12, 0.5 + 2.9 * num_rows) if num_columns == 2 else (8, 4.5)
+    figure, grid = plt.subplots(num_rows, num_columns, figsize=size, squeeze=False, layout="constrained")
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)
     figure.suptitle(title, x=0.012, ha="left", fontsize=13, fontweight="bold")
     for axes, drawing in zip(grid.flat, drawings):
@@ -265,6 +267,7 @@ def draw(history, title, taken, counts="", columns=(), x=None):
         if not axes.get_xlabel():
             axes.margins(x=0.01)
             axes.set_xlabel(LABELS[counts])
+        use_handy_units(axes)
     for axes in grid.flat[len(drawings):]:
         axes.remove()
     return figure

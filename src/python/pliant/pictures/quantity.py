@@ -8,6 +8,7 @@ from pliant import PliantError
 COMPONENTS = {3: "x y z".split(), 6: "xx yy zz xy yz xz".split(),
               9: "xx xy xz yx yy yz zx zy zz".split()}
 PRINCIPAL = "principal_"  # fields of three values in descending order
+OF_RODS = "rod_"  # fields of the segments of rods alone
 
 
 @dataclasses.dataclass(frozen=True)
@@ -18,7 +19,7 @@ class Quantity:
     component: int  # -1: the length of a vector
     label: str
     unit: str
-    names: list  # of a quantity that counts bodies or ranks; else empty
+    names: list  # of a quantity that counts bodies or ranks, empty ones of those that are not drawn; else empty
     axes: str = ""  # of a component: "x", "xy"; empty where it does not depend on them
 
     def at_points(self, frame, surface):
@@ -26,17 +27,18 @@ class Quantity:
         field = frame.field(self.field)
         if self.names:
             return field.values[surface.cell_of_face, 0]
-        values = _of_nodes(surface, field.values) if field.on_nodes else surface.of_cells(field.values)
-        return np.linalg.norm(values, axis=1) if self.component < 0 else values[:, self.component]
+        values = field.values if field.on_nodes else surface.nodal_means(field.values)
+        values = np.linalg.norm(values, axis=1, keepdims=True) if self.component < 0 else values[:, [self.component]]
+        return _of_nodes(surface, values)[:, 0]
 
 
 def _of_nodes(surface, values):
     """Nodal values at the points of the surface: infinite ones, such as gaps where nothing is near, stay so."""
     infinite = np.isposinf(values)
     if not infinite.any():
-        return surface.of_nodes(values)
+        return surface.field_of_nodes(values)
     finite = values[np.isfinite(values)]
-    at_points = surface.of_nodes(np.where(infinite, finite.max() if len(finite) > 0 else 0.0, values))
+    at_points = surface.field_of_nodes(np.where(infinite, finite.max() if len(finite) > 0 else 0.0, values))
     return np.where(surface.of_nodes(infinite.astype(float)) != 0, np.inf, at_points)
 
 
@@ -53,7 +55,8 @@ def quantity_of(result, name):
         return Quantity(base, components.index(suffix), f"{_words(base)} {suffix}", field.unit, [], "" if base.startswith(PRINCIPAL) else suffix)
     field = frame.field(name)
     if name == "body":
-        return Quantity(name, 0, "body", "", frame.mesh.body_names)
+        drawn = frame.mesh.bodies_with_surface
+        return Quantity(name, 0, "body", "", [body if body in drawn else "" for body in frame.mesh.body_names])
     if name == "rank":
         return Quantity(name, 0, "rank", "", [str(i) for i in range(int(field.values.max()) + 1)])
     components = field.values.shape[1]

@@ -14,6 +14,7 @@ from .camera import VIEWS
 from .colours import MAPS
 from .cut import mirror, plane
 from ..command_line import Parser, exit_code
+from ..start import missing, needs
 
 
 def chosen_frames(result, options):
@@ -65,6 +66,9 @@ def run(options):
     from .renderer import Renderer  # which needs VTK
     from .screen import start_screen
 
+    lacking = missing(needs("render", [options.movie or ""]))
+    if lacking:
+        raise PliantError(lacking)
     renderer = Renderer(result, frames, options)
     start_screen()
     if options.movie:

@@ -1,10 +1,12 @@
 """Frames of a result as pictures, all with the same camera and colour scale."""
+import itertools
+
 import numpy as np
 
 from .analysis import counted
 from .camera import fitted_camera
 from .page import Page, instants_as_text
-from .scene import Scene
+from .scene import Scene, Sides
 from .shown import TRANSPARENT, Shown
 
 
@@ -28,10 +30,7 @@ class Renderer:
             scene = Scene(shells, self._page.scene_size, self._options)
             obstacles = shown.obstacles(frame)
             if obstacles is not None:
-                clear = np.isin(np.array(obstacles.names)[obstacles.obstacle], self._options.transparent)
-                for chosen, opacity in ((~clear, 1.0), (clear, TRANSPARENT)):
-                    if chosen.any():
-                        scene.add_obstacles(obstacles.triangles[chosen], opacity)
+                self._add_obstacles(scene, obstacles)
             if shown.mechanisms(frame) is not None:
                 everything = np.concatenate([shown.bodies, *shown.mechanism_clouds()])
                 scene.add_mechanisms(np.linalg.norm(np.ptp(everything, axis=0)))
@@ -41,6 +40,15 @@ class Renderer:
             scene.aim(self._camera)
             self._scenes[frame.mesh_group] = scene
         return self._scenes[frame.mesh_group]
+
+    def _add_obstacles(self, scene, obstacles):
+        """Vessels without the walls in front, which bodies are behind."""
+        clear = np.isin(np.array(obstacles.names)[obstacles.obstacle], self._options.transparent)
+        is_vessel = np.isin(obstacles.obstacle, obstacles.vessels())
+        for of_vessels, opacity in itertools.product((False, True), (1.0, TRANSPARENT)):
+            chosen = (is_vessel == of_vessels) & (clear == (opacity < 1))
+            if chosen.any():
+                scene.add_obstacles(obstacles.triangles[chosen], opacity, Sides.FACING if of_vessels else Sides.BOTH)
 
     def picture(self, frame):
         shown = self._shown

@@ -19,7 +19,7 @@ class RodShapes:
     def __init__(self, mesh):
         names = np.array(mesh.body_names)
         cells = np.nonzero(np.isin(names, mesh.rods)[mesh.body])[0]
-        self.names = names[mesh.body[cells]]
+        self.cells, self.names = cells, names[mesh.body[cells]]
         self.is_rectangular = np.isin(self.names, mesh.rectangular_rods)
         corners = mesh.cells[cells, :4]
         errors, lengths = zip(*(self._fit(mesh.coordinates[corners[:, order]]) for order in ORDERS))

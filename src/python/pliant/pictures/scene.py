@@ -1,4 +1,6 @@
 """Bodies, obstacles and mechanisms as VTK draws them."""
+import enum
+
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
@@ -22,6 +24,12 @@ from .shown import OBSTACLE, PLAIN_BODY
 OBSTACLE_OVER_BODY = 0.5  # opacity of obstacles where they hide a body
 MECHANISM_IN_BODY = 0.6  # opacity of tendons, springs and joints where a body hides them
 SUPERSAMPLING = 2  # drawn this much larger and scaled down: smooth edges on any graphics library
+
+
+class Sides(enum.Enum):
+    """From which side triangles are seen."""
+
+    BOTH, FACING = range(2)  # FACING: from that from where they are counterclockwise
 
 
 class DrawnShell:
@@ -94,13 +102,14 @@ class Scene:
         self._renderer.AddActor(actor)
         return actor
 
-    def add_obstacles(self, triangles, opacity=1.0):
+    def add_obstacles(self, triangles, opacity=1.0, sides=Sides.BOTH):
         """Obstacles, which `draw` places."""
         points, data = vtkPoints(), vtkPolyData()
         actor = self._add_surface(data, points, triangles, OBSTACLE)
         actor.GetProperty().SetAmbient(0.62)
         actor.GetProperty().SetDiffuse(0.38)
         actor.GetProperty().SetOpacity(opacity)
+        actor.GetProperty().SetBackfaceCulling(sides is Sides.FACING)
         self._obstacles.append((points, data, actor))
 
     def add_mechanisms(self, size):

@@ -8,7 +8,7 @@ from pliant import PliantError, Surface
 from .camera import extreme, sheet
 from .colours import Colours, NamedColours
 from .cut import CutSurface, Plane
-from .quantity import Quantity, quantity_of
+from .quantity import OF_RODS, Quantity, quantity_of
 from .rods import RodShapes
 
 PLAIN_BODY = (0.62, 0.70, 0.79)
@@ -34,7 +34,7 @@ class Shell:
 
     def reflected(self, points):
         for plane in self.mirrors:
-            points = points - 2 * plane.heights(points)[:, None] * plane.normal
+            points = plane.reflected(points)
         return points
 
     def sign(self, axes):
@@ -44,9 +44,9 @@ class Shell:
 
 class ShownMechanisms:
     """Those of a frame whose names are not in `hidden`; `colour_of`: colours of tensions, None for plain lines. `rods`: RodShapes of
-    the mesh; `positions`: of its nodes."""
+    the mesh; `of_rods`: colours of their segments, or None for those of their lines; `positions`: of the mesh's nodes."""
 
-    def __init__(self, mechanisms, hidden, colour_of, rods, positions):
+    def __init__(self, mechanisms, hidden, colour_of, rods, of_rods, positions):
         names, first_joint = np.array(mechanisms.names), len(mechanisms.names) - len(mechanisms.joints)
         kept = ~np.isin(names[mechanisms.part], hidden)
         part = mechanisms.part[kept]
@@ -57,18 +57,31 @@ class ShownMechanisms:
         if colour_of is not None and is_line.any():
             self.colours[is_line] = colour_of(mechanisms.tension[kept][is_line])
         self.is_rod = np.isin(names[part], rods.names)  # fibres have no cells, and are lines
-        self._add_rods(rods, positions, names[part])
+        self._add_rods(rods, of_rods, positions, names[part])
 
-    def _add_rods(self, rods, positions, name_of_segment):
-        """The bodies of the rods, with the colours of their axes."""
+    def _add_rods(self, rods, of_rods, positions, name_of_segment):
+        """The bodies of the rods, with the colours of their axes; or with their own, which then are those of their axes, too."""
         kept = np.isin(rods.names, name_of_segment)
         self.rods, self.has_rectangle = rods.at(positions)[kept], rods.is_rectangular[kept]
-        self.rod_colours = np.empty((len(self.rods), 3), dtype=np.uint8)
+        self.rod_colours = np.empty((len(self.rods), 3), dtype=np.uint8) if of_rods is None else of_rods[kept]
         middles, of_axes = self.rods[:, :2].mean(axis=1), self.points[self.segments].mean(axis=1)
         for name in np.unique(rods.names[kept]):
             bodies, axis = np.nonzero(rods.names[kept] == name)[0], np.nonzero(name_of_segment == name)[0]
             distance = np.linalg.norm(middles[bodies, None] - of_axes[None, axis], axis=2)
-            self.rod_colours[bodies] = self.colours[axis[distance.argmin(axis=1)]]
+            if of_rods is None:
+                self.rod_colours[bodies] = self.colours[axis[distance.argmin(axis=1)]]
+            else:
+                self.colours[axis] = self.rod_colours[bodies[distance.argmin(axis=0)]]
+
+    def add_image(self, plane):
+        """The image of everything at a plane, too."""
+        first = len(self.points)
+        self.points = np.concatenate([self.points, plane.reflected(self.points)])
+        self.segments, self.joints = (np.concatenate([numbers, first + numbers]) for numbers in (self.segments, self.joints))
+        ends, directors = plane.reflected(self.rods[:, :2]), plane.reflected(self.rods[:, 2:]) - plane.reflected(np.zeros(3))
+        self.rods = np.concatenate([self.rods, np.concatenate([ends, directors], axis=1)])
+        self.colours, self.is_rod, self.has_rectangle, self.rod_colours = (
+            np.concatenate([values, values]) for values in (self.colours, self.is_rod, self.has_rectangle, self.rod_colours))
 
     def cloud(self):
         """Where they are."""
@@ -94,12 +107,15 @@ class Shown:
         self._cut = None
         self._require_names(chosen[0])
         self.by_tension = options.field == "tension"
+        self.by_rods = options.field.startswith(OF_RODS)
         self.quantity = self._chosen_quantity()
         self.colours = self._colour_scale()
         clouds = self.clouds() or self.mechanism_clouds()
+        if not clouds and options.scale == 1:
+            raise PliantError("--hide: every body is hidden")
         if not clouds:
             raise PliantError("nothing is left to draw: rods, tendons, springs and joints are drawn with --scale 1 only")
-        if not self.clouds() and not self.by_tension:
+        if not self.clouds() and not self.is_of_lines:
             self.quantity = self.colours = None  # rods alone have colours of their own
         self.bodies = np.concatenate([extreme(points) for points in clouds])  # points that bound them
 
@@ -116,11 +132,29 @@ class Shown:
     def _chosen_quantity(self):
         if self._options.field == "none":
             return None
+        if self.by_rods:
+            self._require_rods()
         if not self.by_tension:
             return quantity_of(self._result, self._options.field)
         if self.frames[0].mechanisms is None:
             raise PliantError("--field tension: the result has no tendons and no springs")
         return Quantity("tension", 0, "tension", "N", [])
+
+    @property
+    def is_of_lines(self):
+        """Do lines and rods have the colours, and bodies none?"""
+        return self.by_tension or self.by_rods
+
+    def _require_rods(self):
+        frame = self.frames[0]
+        if frame.mechanisms is not None and "rod" in frame.mechanisms.kinds and not np.isin(frame.mesh.rods, self._rods(frame).names).any():
+            raise PliantError(f"--field {self._options.field}: fibres, which only stretch, have no such field; their axial force is --field tension")
+
+    def _rods(self, frame):
+        """RodShapes of the frame's mesh."""
+        if frame.mesh_group not in self._rods_of_mesh:
+            self._rods_of_mesh[frame.mesh_group] = RodShapes(frame.mesh)
+        return self._rods_of_mesh[frame.mesh_group]
 
     def sample(self, at_most=60):
         """Frames from which the camera and the colour scale are taken."""
@@ -128,18 +162,19 @@ class Shown:
         return [self.frames[i] for i in picked]
 
     def _require_names(self, frame):
-        known = [*frame.mesh.body_names, *(frame.obstacles.names if frame.obstacles else [])]
+        known = [*frame.mesh.bodies_with_surface, *(frame.obstacles.names if frame.obstacles else [])]
         lines = frame.mechanisms.names if frame.mechanisms else []
         for option, names in (("hide", [*known, *lines]), ("transparent", known)):
             for name in getattr(self._options, option):
                 if name not in names:
-                    raise PliantError(f"--{option} {name}: there is no body or obstacle of this name; there are {', '.join(names)}")
+                    raise PliantError(f"--{option} {name}: there is no body or obstacle of this name; there are {', '.join(names) or 'none'}")
 
     def shells(self, frame):
         """The outside of the bodies that are neither hidden nor transparent, as one; then each transparent body."""
         if frame.mesh_group not in self._shells_of_mesh:
             mesh, options = frame.mesh, self._options
             hidden, transparent = (np.array([name in names for name in mesh.body_names]) for names in (options.hide, options.transparent))
+            hidden |= ~np.isin(mesh.body_names, mesh.bodies_with_surface)
             parts = [(~hidden & ~transparent, 1.0)]
             parts += [(np.arange(len(hidden)) == k, TRANSPARENT) for k in np.nonzero(transparent & ~hidden)[0]]
             shells = []
@@ -149,8 +184,6 @@ class Shown:
                 if len(cells) > 0:
                     surface = Surface(mesh, cells=cells)
                     shells.append(Shell(surface if options.cut is None else self._cut_open(surface, mesh, cells), opacity, names))
-            if not shells:
-                raise PliantError("--hide: every body is hidden")
             for plane in options.mirror:
                 shells += [dataclasses.replace(shell, mirrors=(*shell.mirrors, plane)) for shell in shells]
             self._shells_of_mesh[frame.mesh_group] = shells
@@ -202,21 +235,28 @@ class Shown:
         given = frame.mechanisms if self._options.scale == 1 else None
         if given is None:
             return None
-        if frame.mesh_group not in self._rods_of_mesh:
-            self._rods_of_mesh[frame.mesh_group] = RodShapes(frame.mesh)
-        shown = ShownMechanisms(given, self._options.hide, self.colours if self.by_tension else None, self._rods_of_mesh[frame.mesh_group],
-                                frame.positions())
+        rods = self._rods(frame)
+        of_rods = self.colours(self._rod_values(frame)) if self.by_rods else None
+        shown = ShownMechanisms(given, self._options.hide, self.colours if self.by_tension else None, rods, of_rods, frame.positions())
+        for plane in self._options.mirror:
+            shown.add_image(plane)
         return shown if len(shown.segments) > 0 else None
 
+    def _rod_values(self, frame):
+        """Of each segment of rods with cells."""
+        return frame.field(self.quantity.field).values[self._rods(frame).cells, 0]
+
     def near_obstacles(self):
-        """Points of obstacles that belong into the picture: those next to the bodies, and the sheets of planes."""
+        """Points of obstacles that belong into the picture: those next to the bodies, and the sheets of planes. Vessels are around the
+        bodies, however large."""
         middle = (self.bodies.min(axis=0) + self.bodies.max(axis=0)) / 2
         reach = 1.5 * np.linalg.norm(self.bodies - middle, axis=1).max()
         found = []
         for obstacles in map(self.obstacles, self.sample()):
             if obstacles is None:
                 continue
-            points = obstacles.points_of_others()
+            others = ~np.isin(obstacles.obstacle, obstacles.vessels())
+            points = dataclasses.replace(obstacles, triangles=obstacles.triangles[others], obstacle=obstacles.obstacle[others]).points_of_others()
             near = points[np.linalg.norm(points - middle, axis=1) < reach]
             found += [near] if len(near) > 0 else []
             found += [sheet(obstacles.points[corners], self.bodies) for corners in obstacles.planes()]
@@ -239,12 +279,12 @@ class Shown:
     @property
     def is_by_face(self):
         """Do faces have colours, instead of points?"""
-        return self.quantity is not None and not self.by_tension and bool(self.quantity.names)
+        return self.quantity is not None and not self.is_of_lines and bool(self.quantity.names)
 
     def colours_of(self, frame):
         """Of each shell, 8-bit RGB of each point, or of each triangle (`is_by_face`); None for plain bodies."""
         shells = self.shells(frame)
-        if self.quantity is None or self.by_tension:
+        if self.quantity is None or self.is_of_lines:
             return [None] * len(shells)
         colours = [self.colours(values) for values in self._values(frame)]
         if self.is_by_face:
@@ -260,10 +300,20 @@ class Shown:
             return Colours(*self._options.range, self._options.colour_map)
         # A magnitude starts at zero. Cell stresses at a sharp corner are far larger than elsewhere: the uppermost and
         # lowermost thousandth get the colour of the ends.
-        of_lines = [tensions_of(frame.mechanisms) for frame in self.sample()] if self.by_tension else []
-        values = np.concatenate(of_lines or [_extent(np.concatenate(self._values(frame))) for frame in self.sample()])
-        low, high = values.min(), values.max()
+        values = np.concatenate([self._extent_of(frame) for frame in self.sample()])
+        low, high = values.min(initial=np.inf), values.max(initial=-np.inf)
+        if len(values) == 0:
+            low = high = 0.0
         return Colours(0.0 if 0 <= low < 0.5 * high else low, high, self._options.colour_map)
+
+
+    def _extent_of(self, frame):
+        """Values of a frame that the colours must have room for."""
+        if self.by_tension:
+            return tensions_of(frame.mechanisms)
+        if self.by_rods:
+            return self._rod_values(frame)
+        return _extent(np.concatenate([np.zeros(0), *self._values(frame)]))
 
 
 def _extent(values):
