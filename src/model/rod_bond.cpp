@@ -44,7 +44,7 @@ bool is_of_free_shell(const Config& config, int body) {
          config.bodies[static_cast<std::size_t>(body)].is_shell;
 }
 
-/// Of the segments on this rank, with what has a shear modulus.
+/// What has a shear modulus around the segments on this rank.
 NodesAround nodes_around(const BodiesOnMesh& bodies, std::span<const double> shear_moduli,
                          std::span<const Rods::SegmentNodes> segments) {
   NodesAround result;

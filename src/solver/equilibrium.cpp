@@ -18,7 +18,7 @@ constexpr int trouble_of_failure = 2, trouble_before_snap = 4;
 /// A body that snaps may take this many times the usual number of iterations.
 constexpr int times_to_snap = 20;
 /// Weights that hold the solutions of a descent, as fractions of the Hessian's mean diagonal.
-constexpr double first_weight = 1e-3, least_weight = 1e-9;
+constexpr double first_weight = 1e-3, least_weight = 1e-9, largest_weight = 1e6;
 /// Such a solution may leave this fraction of the previous residual,
 constexpr double part_left = 0.1;
 /// and takes at most this many iterations; if it takes half as many or more, the weight stays.
@@ -83,7 +83,7 @@ StageReport EquilibriumSearch::seek(Vec q, Vec second_guess, int max_iterations)
     const int near = objective_.equation().has_walls() ? max_meeting : max_followed;
     const bool arrives = attempt(q, best.get(), usual, std::min(near, work.left()), work);
     check(VecCopy(q, lowest.get()));
-    return arrives;
+    return arrives || objective_.equation().is_far_from_guess(q);
   };
   const auto follow = [&] {
     return attempt(q, best.get(), Aim::any_equilibrium, few(), work) ||
@@ -126,7 +126,7 @@ StageReport EquilibriumSearch::descend(Vec q, int max_iterations) {
   const PetscInt number = num_local_displacements(equation, q);
   StageReport total;
   double part = first_weight;
-  while (total.newton_iterations < max_iterations && part > least_weight) {
+  while (total.newton_iterations < max_iterations && part > least_weight && part < largest_weight) {
     equation.gradient(q, r.get());
     const double residual = norm(r.get());
     if (residual <= relative_ * equation.force_scale(q)) break;
@@ -145,7 +145,7 @@ StageReport EquilibriumSearch::descend(Vec q, int max_iterations) {
     } else if (2 * report.newton_iterations <= iterations_of_descent) {
       part *= 4 * report.newton_iterations <= iterations_of_descent ? 0.25 : 0.5;
     }
-    if (report.outcome == StageOutcome::fatal) break;
+    if (report.outcome == StageOutcome::fatal || equation.is_far_from_guess(q)) break;
   }
   proximal.release();
   iteration_.accept(0.0);

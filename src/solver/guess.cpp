@@ -54,7 +54,7 @@ bool GuessSearch::stop_short_of_walls(Vec accepted, Vec candidate) {
   auto walls = StageEquation::Walls::all;
   double bound = inversion_margin * equation_.max_step_to_wall(accepted, displacement, walls);
   if (!(bound > 0.0)) {
-    // An obstacle has moved onto the accepted state, and no displacement is possible. The potential tells whether the
+    // An obstacle has moved onto the accepted state, and no displacement is possible. The potential shows whether the
     // guess is clear of obstacles, but not whether bodies have passed each other.
     walls = StageEquation::Walls::two_sided;
     bound = inversion_margin * equation_.max_step_to_wall(accepted, displacement, walls);

@@ -8,7 +8,7 @@
 namespace pliant {
 namespace {
 
-/// Most solves of a static stage whose bodies rotate by half a turn in each.
+/// Most solves of a static stage whose bodies rotate far in each.
 constexpr int max_turns = 20;
 
 }  // namespace
@@ -43,10 +43,10 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
     report = solve_for_unknowns(equation_.enter(stage, q, unknowns_.get()), unknowns_.get());
     report.newton_iterations += before.newton_iterations;
     report.linear_iterations += before.linear_iterations;
-    if (report.outcome != StageOutcome::converged || !equation_.is_far_from_guess(unknowns_.get())) break;
+    if (report.outcome == StageOutcome::fatal || !equation_.is_far_from_guess(unknowns_.get())) break;
     if (turn == max_turns) {
       report.outcome = StageOutcome::retry;
-      report.reason = "a body rotates by half a turn in every search for an equilibrium";
+      report.reason = "bodies rotate on and on in the search for an equilibrium";
       break;
     }
     equation_.leave(unknowns_.get(), q);

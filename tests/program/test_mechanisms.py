@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Rigid bodies and joints, as users type them: motions that are known, orders, ranks, restart, soft bodies between them."""
+import itertools
 import unittest
 
 import numpy as np
@@ -457,6 +458,19 @@ initial: {displacement: ["x > 0.5 ? 0.0003 : 0", "x > 0.5 ? 0.0004 : 0", 0]}
 """
         self.write("in.yaml", pair + time)
         self.assertIn("'elbow' of one and two by 0.0005 m", self.pliant("run", "in.yaml", "--quiet").stderr)
+
+    def test_static_searches_that_turn_far(self):
+        # A link hangs from its joint, wherever the search begins: almost upright, too.
+        joints = {"hinge": "", "universal": ", second_axis: [0, 0, 1]"}
+        for joint, start in itertools.product(joints, ([0.5, 0, 0], [0.4, 0.1, -0.3], [0.4, 0, 0.3], [0.05, 0, 0.5])):
+            with self.subTest(joint=joint, start=start):
+                h = self.solve(f"""rigid_bodies: [{{name: link, mass: 1, inertia: [1e-3, 1e-2, 1e-2], center: {start}}}]
+joints: [{{name: top, type: {joint}, between: [ground, link], point: [0, 0, 0], axis: [0, 1, 0]{joints[joint]}}}]
+loads: [{{gravity: [0.1, 0, -9.81]}}]
+""", "method: static, load_steps: 2")
+                np.testing.assert_allclose([h[f"top_f{i}"][-1] for i in "xyz"], [-0.1, 0, 9.81], atol=1e-6)
+                self.assertAlmostEqual(h["link_x"][-1] * 9.81, -h["link_z"][-1] * 0.1, delta=1e-6)
+                self.assertLess(h["link_z"][-1], 0)
 
     def test_static_analyses_tell_of_free_rotations(self):
         strut = """rigid_bodies:

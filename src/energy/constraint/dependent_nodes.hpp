@@ -70,7 +70,7 @@ class DependentNodes {
   /// The largest angle by which a body has rotated since `begin_stage` [rad]. At 2 pi forces seem to be balanced that
   /// are not: rotation vectors of this length are the same rotation. Not collective.
   virtual double rotation(std::span<const double> /*unknowns*/) const { return 0.0; }
-  /// The same of a step of the unknowns, to first order.
+  /// The angle of a step of the unknowns, to first order.
   virtual double rotation_by(std::span<const double> /*step*/, std::span<const double> /*unknowns*/) const {
     return 0.0;
   }

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 
 namespace pliant {
 namespace {
@@ -262,7 +261,7 @@ bool ConstrainedEquation::follow_prescribed_nodes(Vec y) {
 }
 
 bool ConstrainedEquation::is_far_from_guess(Vec y) {
-  constexpr double far = 0.5 * std::numbers::pi;
+  constexpr double far = 1.0;
   if (!is_static()) return false;
   const LeadingPart::Of at(y_part_, y);
   return map_.rotation(at.get()) > far;
