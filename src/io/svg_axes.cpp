@@ -23,7 +23,9 @@ std::string power_of_ten(int exponent) {
 /// Decades are labelled (on long axes every second, third, ...); on short axes so are 2 and 5, and the grid has 2 to 9.
 std::vector<AxisTick> decades_of(const AxisSpan& span) {
   constexpr double most_labels = 9, short_axis = 2.0, grid_axis = 4.0;
+  constexpr double smallest_plain = -3.0, largest_plain = 4.0;  // of numbers that read better than powers
   const int every = std::max(1, static_cast<int>(std::ceil(span.length() / most_labels)));
+  const bool is_plain = span.length() < short_axis && span.low > smallest_plain && span.high < largest_plain;
   std::vector<AxisTick> ticks;
   for (int decade = static_cast<int>(std::floor(span.low)); decade <= span.high; ++decade) {
     for (int digit = 1; digit < 10; ++digit) {
@@ -33,7 +35,9 @@ std::vector<AxisTick> decades_of(const AxisSpan& span) {
           digit == 1 ? decade % every == 0 : span.length() < short_axis && (digit == 2 || digit == 5);
       if (!has_label && (digit == 1 || span.length() > grid_axis)) continue;
       const std::string factor = digit == 1 ? "" : std::to_string(digit) + "·";
-      ticks.push_back({at, has_label ? factor + power_of_ten(decade) : ""});
+      const std::string label =
+          is_plain ? fmt::format("{:g}", digit * std::pow(10.0, decade)) : factor + power_of_ten(decade);
+      ticks.push_back({at, has_label ? label : ""});
     }
   }
   return ticks;

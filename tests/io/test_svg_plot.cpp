@@ -159,9 +159,9 @@ TEST_P(SvgTicks, StandAtRoundValues) {
 INSTANTIATE_TEST_SUITE_P(
     Ranges, SvgTicks,
     testing::Values(AxisRange{1e-3, 1, {"10⁻³", "10⁻²", "10⁻¹", "10⁰"}},
-                    AxisRange{0.00125, 0.02, {"2·10⁻³", "5·10⁻³", "10⁻²", "2·10⁻²"}},
+                    AxisRange{0.00125, 0.02, {"0.002", "0.005", "0.01", "0.02"}},
                     AxisRange{1e-12, 1e3, {"10⁻¹²", "10⁻¹⁰", "10⁻⁸", "10⁻⁶", "10⁻⁴", "10⁻²", "10⁰", "10²"}},
-                    AxisRange{0.99, 1.01, {"10⁰"}}));
+                    AxisRange{0.99, 1.01, {"1"}}));
 
 /// A column of a history may be constant but for rounding; its ticks must be few, end, and be told apart.
 class SvgFlatLine : public ::testing::TestWithParam<std::pair<double, double>> {};

@@ -214,7 +214,7 @@ probes: [{name: tip, point: [1, 1, 1]}]
 """ + path(4, max_load=1))
         self.pliant("plot", "out", "--output", "path.svg")
         shown = texts(self.directory / "path.svg")
-        self.assertIn("-uz of tip [m]", shown)
+        self.assertIn("-uz of tip [mm]", shown)
         self.assertIn("load factor", shown)
         if not (LONG and CHROMIUM):
             return
