@@ -67,8 +67,8 @@ class StageEquation {
   /// move: what they would strike moves with them. Returns false if none moves.
   virtual bool follow_prescribed_nodes(Vec /*q*/) { return false; }
 
-  /// Whether q, a solution, is to be the guess of another solve: bodies have rotated so far that the unknowns, which
-  /// are made for rotations near the guess, may not show the forces on them. Collective.
+  /// Whether q, a solution or as far as a solve came, is to be the guess of another one: bodies have rotated so far
+  /// that unknowns made for rotations near the guess lead no further, or do not show the forces on them. Collective.
   virtual bool is_far_from_guess(Vec /*q*/) { return false; }
 
   /// Phi(q) of the terms that are potentials [J], up to a constant of the stage; +inf where a barrier is crossed or a

@@ -17,7 +17,7 @@ struct AddedBodies {
   std::vector<std::string> names;
   std::vector<std::string> without_surface;  ///< of them, those that only stand for a body
   std::vector<std::string> shells;           ///< of them, free shells, whose facets are all that is of them
-  /// Of them, rods along curves of the mesh, with these: the nodes of one without cells are its curve's.
+  /// The rods among them along curves of the mesh, each with its curve, whose nodes stand for a rod without cells.
   std::vector<std::pair<std::string, std::string>> on_curves;
 };
 

@@ -39,7 +39,7 @@ struct Row {
   long long newton_iterations = 0;
   double seconds = 0.0;
   double over_tolerance = nan;                  ///< by tolerance: the error in units of it
-  bool is_exact_q = false, is_exact_v = false;  ///< in time: there is no error but rounding
+  bool is_exact_q = false, is_exact_v = false;  ///< in time: only rounding errors
   std::string failure;
 };
 
