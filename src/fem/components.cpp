@@ -127,16 +127,24 @@ struct Candidate {
   int component;
 };
 
-/// Nodes of all ranks in the box of another component, in ascending order of x. Collective.
-std::vector<Candidate> candidates(const NodeLayout& layout, const Components& components, std::span<const double> u,
-                                  const std::vector<ComponentBox>& boxes, std::size_t most) {
-  const int count = components.count;
-  std::vector<std::vector<int>> met(static_cast<std::size_t>(count));
-  for (int a = 0; a < count; ++a) {
-    for (int b = 0; b < count; ++b) {
-      if (a != b && boxes[a].meets(boxes[b])) met[a].push_back(b);
+/// The other components that each may penetrate: those whose boxes meet its own.
+std::vector<std::vector<int>> met_components(const std::vector<ComponentBox>& boxes,
+                                             std::span<const char> are_kept_apart) {
+  std::vector<std::vector<int>> met(boxes.size());
+  for (std::size_t a = 0; a < boxes.size(); ++a) {
+    for (std::size_t b = 0; b < boxes.size(); ++b) {
+      if (a == b || !boxes[a].meets(boxes[b])) continue;
+      if (!are_kept_apart.empty() && are_kept_apart[a * boxes.size() + b] != 0) continue;
+      met[a].push_back(static_cast<int>(b));
     }
   }
+  return met;
+}
+
+/// Nodes of all ranks in the box of a component that theirs meets, in ascending order of x. Collective.
+std::vector<Candidate> candidates(const NodeLayout& layout, const Components& components, std::span<const double> u,
+                                  const std::vector<ComponentBox>& boxes, const std::vector<std::vector<int>>& met,
+                                  std::size_t most) {
   std::vector<Candidate> mine;
   for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
     const int a = components.of_node[n];
@@ -289,14 +297,22 @@ std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Component
                                        std::span<const double> u, std::size_t most_nodes,
                                        std::span<const char> are_kept_apart) {
   if (components.count < 2) return std::nullopt;
-  const std::vector<Candidate> points = candidates(layout, components, u, boxes_of(layout, components, u), most_nodes);
+  const std::vector<ComponentBox> boxes = boxes_of(layout, components, u);
+  const std::vector<std::vector<int>> met = met_components(boxes, are_kept_apart);
+  const std::vector<Candidate> points = candidates(layout, components, u, boxes, met, most_nodes);
   if (points.empty()) return std::nullopt;
+  std::vector<char> may_hold(boxes.size(), 0);
+  for (const std::vector<int>& others : met) {
+    for (const int b : others) may_hold[static_cast<std::size_t>(b)] = 1;
+  }
   constexpr double least_part = 0.05;  // relative to the cell: two meshes of one curved surface differ by less
   // A node on a side, edge or corner is in several cells, on several ranks: the smallest of their depths counts.
   std::vector<double> depths(points.size(), infinity);
   std::vector<int> holders(points.size(), -1);
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     const auto nodes = layout.nodes_of_cell(c);
+    const int component = components.of_node[nodes[0]];
+    if (may_hold[static_cast<std::size_t>(component)] == 0) continue;
     std::array<Position, 4> corners{};
     ComponentBox box;
     for (std::size_t a = 0; a < 4; ++a) {
@@ -306,14 +322,18 @@ std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Component
     const double size = norm(box.high - box.low);
     auto point = std::ranges::lower_bound(points, box.low[0], {}, [](const Candidate& p) { return p.x[0]; });
     for (; point != points.end() && point->x[0] <= box.high[0]; ++point) {
-      if (point->component == components.of_node[nodes[0]] || !box.holds(point->x)) continue;
+      if (!box.holds(point->x)) continue;
+      if (std::ranges::find(met[static_cast<std::size_t>(point->component)], component) ==
+          met[static_cast<std::size_t>(point->component)].end()) {
+        continue;
+      }
       OuterParts outer{components.outer_sides[static_cast<std::size_t>(c)], {}};
       for (std::size_t a = 0; a < 4; ++a) outer.corners[a] = components.is_outer[nodes[a]] != 0;
       const auto depth = depth_in(corners, outer, point->x, size);
       if (!depth) continue;
       const auto p = static_cast<std::size_t>(point - points.begin());
       depths[p] = std::min(depths[p], *depth > least_part * size ? *depth : 0.0);
-      holders[p] = std::max(holders[p], components.of_node[nodes[0]]);
+      holders[p] = std::max(holders[p], component);
     }
   }
   check_mpi(
@@ -324,8 +344,6 @@ std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Component
   double lowest = infinity;
   for (std::size_t p = 0; p < points.size(); ++p) {
     if (!std::isfinite(depths[p]) || depths[p] <= 0.0) continue;
-    const auto place = static_cast<std::size_t>(points[p].component * components.count + holders[p]);
-    if (!are_kept_apart.empty() && are_kept_apart[place] != 0) continue;
     // Ties between equally deep places are broken independently of the ranks: the lowest along a generic direction
     // wins.
     const double level = dot(Position{1.0, 0.6180339887, 0.3819660113}, points[p].x);

@@ -262,9 +262,13 @@ PrescribedMotion Constraints::motion(Correction correction) const {
   return map_ ? map_->motion(prescribed_->motion(), correction) : prescribed_->motion();
 }
 
-std::vector<char> Constraints::held() const {
-  std::vector<char> result(prescribed_->flags().begin(), prescribed_->flags().begin() + 3 * layout_.num_owned_nodes);
-  for (std::size_t i = 0; map_ && i < result.size(); ++i) result[i] = result[i] != 0 || map_->is_tied()[i] != 0;
+std::vector<Constraints::Hold> Constraints::held() const {
+  std::vector<Hold> result(3 * static_cast<std::size_t>(layout_.num_owned_nodes), Hold::none);
+  const std::vector<char> is_ideal = map_ ? map_->is_ideal() : std::vector<char>(result.size(), 0);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const bool is_held = prescribed_->flags()[i] != 0 || (map_ && map_->is_tied()[i] != 0);
+    if (is_held) result[i] = is_ideal[i] != 0 ? Hold::ideal : Hold::prescribed;
+  }
   return result;
 }
 

@@ -48,8 +48,10 @@ class Constraints {
   PrescribedMotion motion(Correction correction = Correction::nearest) const;
   /// For each local node the number of the rigid part that it belongs to, from 1; 0 if to none. Collective.
   std::vector<int> rigid_parts() const;
-  /// One flag per owned entry on which constraints do work.
-  std::vector<char> held() const;
+  /// Where constraints exert forces.
+  enum class Hold : char { none, prescribed, ideal };
+  /// For each owned entry, the kind of constraint that holds it; an ideal one does no work but for the error of a step.
+  std::vector<Hold> held() const;
 
   /// Throws InputError at a constraint whose displacement is not finite at the time [s]. Collective.
   void require_finite(double time) const;

@@ -5,6 +5,7 @@
 #include "model/initial_displacement.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
@@ -44,11 +45,23 @@ class Forbidden {
   std::vector<std::pair<double, std::size_t>> found_;
 };
 
+void require_motion_from_start(const Config& config, const JointConfig& joint) {
+  constexpr double rounding = 1e-9;  // [rad] or [m]
+  if (!joint.motion || analysis_of(config) != Analysis::dynamic) return;
+  const double start = (*joint.motion)(0.0, 0.0, 0.0, 0.0);
+  if (std::abs(start) <= rounding) return;
+  throw InputError(joint.where,
+                   fmt::format("the motion of joint '{}' begins at {:g}, and the bodies at 0: it must be 0 "
+                               "at t = 0",
+                               joint.name, start));
+}
+
 }  // namespace
 
 std::vector<Diagnostic> warnings_about_joints_at_start(const Config& config, const NodeLayout& layout,
                                                        const std::vector<int>& body_of_cell,
                                                        std::span<const ModelJoint> joints) {
+  for (const JointConfig& joint : config.joints) require_motion_from_start(config, joint);
   std::vector<Diagnostic> warnings;
   if (joints.empty() || analysis_of(config) == Analysis::static_equilibrium) return warnings;
   const Handle<Vec> q = make_vector(layout), v = make_vector(layout);

@@ -5,9 +5,12 @@
 #include "mesh/disjoint_sets.hpp"
 #include "model/rods.hpp"
 #include "model/unresisted_motions.hpp"
+#include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/ghosted.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <eigen3/Eigen/Eigenvalues>
 #include <map>
 #include <optional>
@@ -142,11 +145,50 @@ std::optional<Vector3<double>> find_axis(const JointConfig& joint, Selections& s
   return axis;
 }
 
+/// One flag per constraint: whether a rigid part has nodes in cells that it does not fill, or follows a surface of
+/// other bodies. Collective.
+std::vector<char> parts_held_by_soft_bodies(const ConstraintsOnMesh& constraints) {
+  std::vector<double> held(constraints.parts.size(), 0.0);
+  if (constraints.config.joints.empty()) return std::vector<char>(held.size(), 0);
+  const NodeLayout& layout = constraints.layout;
+  const Handle<Vec> numbers = make_vector(layout);
+  {
+    const ArrayView of_entries(numbers.get());
+    for (std::size_t c = 0; c < constraints.parts.size(); ++c) {
+      if (!constraints.parts[c].rotation) continue;
+      for (const PetscInt node : constraints.parts[c].nodes) of_entries[3 * node] = static_cast<double>(c + 1);
+    }
+  }
+  update_ghosts(numbers.get());
+  const ConstGhostedView of_nodes(numbers.get());
+  for (PetscInt cell = 0; cell < layout.num_owned_cells; ++cell) {
+    const auto nodes = layout.nodes_of_cell(cell);
+    const auto part_of = [&](PetscInt n) { return static_cast<std::size_t>(of_nodes.span()[3 * n]); };
+    const bool is_filled = std::ranges::all_of(nodes, [&](PetscInt n) { return part_of(n) == part_of(nodes[0]); });
+    if (is_filled) continue;
+    for (const PetscInt n : nodes) {
+      if (part_of(n) > 0) held[part_of(n) - 1] = 1.0;
+    }
+  }
+  sum_in_place(layout.comm, held);
+  std::vector<char> result;
+  for (std::size_t c = 0; c < held.size(); ++c) {
+    const std::string& name = constraints.config.constraints[c].part.name;
+    const auto body = std::ranges::find(constraints.config.rigid_bodies, name, &RigidBodyConfig::name);
+    const bool is_coupled = body != constraints.config.rigid_bodies.end() && !body->coupled.empty();
+    result.push_back(held[c] > 0.0 || is_coupled ? 1 : 0);
+  }
+  return result;
+}
+
 /// The joints of the input, then the mechanisms that they make.
 class RigidSystemBuilder {
  public:
   RigidSystemBuilder(const ConstraintsOnMesh& constraints, Selections& selections)
-      : constraints_(constraints), selections_(selections), groups_(constraints.parts.size()) {}
+      : constraints_(constraints),
+        selections_(selections),
+        groups_(constraints.parts.size()),
+        are_held_(parts_held_by_soft_bodies(constraints)) {}
 
   RigidSystem operator()() {
     for (const JointConfig& joint : constraints_.config.joints) add(joint);
@@ -194,7 +236,9 @@ class RigidSystemBuilder {
 
   void connect(const std::vector<std::size_t>& parts, const std::vector<std::size_t>& joints) {
     std::vector<std::unique_ptr<RigidPart>> rigid;
+    std::vector<char> are_held;
     for (const std::size_t c : parts) {
+      are_held.push_back(are_held_[c]);
       const ConstraintPart& part = constraints_.parts[c];
       rigid.push_back(
           std::make_unique<RigidPart>(constraints_.layout, part.nodes, *part.displacement.rigid, *part.rotation));
@@ -206,7 +250,7 @@ class RigidSystemBuilder {
     }
     if (joints.empty()) {
       const auto n = static_cast<Eigen::Index>(rigid.front()->hosts().size());
-      require_mass(parts, JointSystem::Matrix::Identity(n, n));
+      require_mass(parts, joints, JointSystem::Matrix::Identity(n, n));
       require_resistance(parts, nullptr, static_cast<Eigen::Index>(rigid.front()->hosts().size()) < 6);
       for (auto& part : rigid) system_.dependents.push_back(std::move(part));
       return;
@@ -228,17 +272,36 @@ class RigidSystemBuilder {
     }
     const bool is_on_ground =
         std::ranges::any_of(equations, [](const JointEquation& of) { return of.bodies[0] < 0 || of.bodies[1] < 0; });
-    auto mechanism = std::make_unique<Mechanism>(constraints_.layout, std::move(rigid), std::move(equations));
+    auto mechanism = std::make_unique<Mechanism>(constraints_.layout, std::move(rigid), are_held, std::move(equations));
     report_dependent(*mechanism, joints);
-    require_mass(parts, mechanism->free_motions());
+    require_mass(parts, joints, mechanism->free_motions());
     require_resistance(parts, mechanism.get(), is_on_ground);
     for (const std::size_t j : joints) system_.joints[j].mechanism = mechanism.get();
     system_.dependents.push_back(std::move(mechanism));
   }
 
+  /// The rotation of a body of its own mass is that of nodes at the distance of its radius of gyration: their rounding
+  /// errors are those of their places.
+  void require_radius_of_gyration(const RigidBodyConfig& body, const std::vector<std::size_t>& joints) {
+    constexpr double least = 1e-7;  // relative to the reach: angles with an error of 1e-9
+    const auto length = [](const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); };
+    double reach = length(body.center);
+    for (const std::size_t j : joints) reach = std::max(reach, length(configs_[j]->point));
+    const auto& moments = body.inertia.moments;
+    const double largest = *std::max_element(moments.begin(), moments.begin() + 3);
+    const double radius = std::sqrt(largest / body.mass);
+    if (!(largest > 0.0) || radius > least * reach) return;
+    selections_.report(
+        body.inertia.where,
+        fmt::format("the moment of inertia of '{}' is that of a body of {:.1g} m at distances of {:.2g} m, "
+                    "whose rotation is lost in rounding errors; give at least {:.1g} kg m^2",
+                    body.name, radius, reach, 10.0 * least * least * reach * reach * body.mass));
+  }
+
   /// In dynamics every free motion needs a mass: a mass point has no rotation that forces determine. `free`: columns in
   /// the unknowns of all parts, three translations [m] and three rotations times a length of each.
-  void require_mass(const std::vector<std::size_t>& parts, const JointSystem::Matrix& free) {
+  void require_mass(const std::vector<std::size_t>& parts, const std::vector<std::size_t>& joints,
+                    const JointSystem::Matrix& free) {
     if (analysis_of(constraints_.config) != Analysis::dynamic || free.cols() == 0) return;
     constexpr Eigen::Index unknowns_of_part = 6;
     if (free.rows() != unknowns_of_part * static_cast<Eigen::Index>(parts.size()))
@@ -251,6 +314,7 @@ class RigidSystemBuilder {
       const auto body = std::ranges::find(bodies, name, &RigidBodyConfig::name);
       if (body == bodies.end() || !body->attached.empty() || !body->coupled.empty()) continue;
       if (!sections_held_by(constraints_.config, name).empty()) continue;
+      require_radius_of_gyration(*body, joints);
       const auto& [xx, yy, zz, xy, yz, zx] = body->inertia.moments;
       const double largest = xx + yy + zz;
       JointSystem::Matrix inertia(3, 3);
@@ -295,6 +359,7 @@ class RigidSystemBuilder {
   const ConstraintsOnMesh& constraints_;
   Selections& selections_;
   DisjointSets groups_;
+  std::vector<char> are_held_;
   RigidSystem system_;
   std::vector<const JointConfig*> configs_;  // of the system's joints
 };

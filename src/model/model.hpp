@@ -61,6 +61,8 @@ class Model {
   const Inertia* inertia() const { return inertia_.get(); }  ///< nullptr if no body has a density
   const Constraints& constraints() const { return *constraints_; }
   Constraints& constraints() { return *constraints_; }
+  /// The input's joints; those of constraints() have the same order.
+  const std::vector<JointConfig>& given_joints() const { return config_.joints; }
   const std::vector<ModelTendon>& tendons() const { return tendons_; }
   const ModelSprings& springs() const { return springs_; }
   const ModelRods& rods() const { return rods_; }

@@ -128,6 +128,12 @@ Config with_rigid_bodies(Config config) {
     body.where = rigid.where;
     config.bodies.push_back(std::move(body));
   }
+  for (ConstraintConfig& constraint : config.constraints) {
+    auto* rigid = std::get_if<ConstraintConfig::Rigid>(&constraint.kind);
+    if (rigid == nullptr || rigid->center || constraint.part.kind != Selection::Kind::volume) continue;
+    const auto body = std::ranges::find(config.rigid_bodies, constraint.part.name, &RigidBodyConfig::name);
+    if (body != config.rigid_bodies.end()) rigid->center = body->center;
+  }
   for (const BodyConfig& body : config.bodies) {
     if (!body.is_rigid || is_made_rigid(config, body.part)) continue;
     ConstraintConfig constraint;

@@ -14,7 +14,8 @@
 namespace pliant {
 
 /// The input with each entry of `rods` and `rigid_bodies` among the bodies, in this order after the others, and with
-/// the constraint that makes a body rigid where the input has none for it. Those of `rigid_bodies` have no density:
+/// the constraint that makes a body rigid where the input has none for it; one that the input has for an entry of
+/// `rigid_bodies` has its center. Those of `rigid_bodies` have no density:
 /// their masses are given.
 Config with_rigid_bodies(Config config);
 

@@ -3,6 +3,8 @@
 #include "petsc/array_view.hpp"
 
 #include <algorithm>
+#include <cassert>
+#include <ranges>
 
 namespace pliant {
 
@@ -29,6 +31,22 @@ MatrixRows::MatrixRows(Mat matrix, std::size_t part) {
 MatrixRows::~MatrixRows() {
   PetscBool is_done = PETSC_FALSE;
   (void)MatRestoreRowIJ(part_, 0, PETSC_FALSE, PETSC_FALSE, &num_rows_, &offsets_, &columns_, &is_done);
+}
+
+PetscInt MatrixRows::entry(PetscInt row, PetscInt in_matrix) const {
+  const auto entries = std::views::iota(begin(row), end(row));
+  const auto found = std::ranges::lower_bound(entries, in_matrix, {}, [&](PetscInt k) { return column(k); });
+  assert(found != entries.end() && column(*found) == in_matrix);
+  return *found;
+}
+
+void get_diagonal(Mat A, Vec D) {
+  const MatrixRows rows(A, 0);
+  const MatrixValues values(A);
+  const ArrayView diagonal(D);
+  PetscInt first = 0;
+  check(MatGetOwnershipRange(A, &first, nullptr));
+  for (PetscInt row = 0; row < rows.size(); ++row) diagonal[row] = values[0][rows.entry(row, first + row)];
 }
 
 std::array<std::vector<char>, 2> flags_of_columns(Mat A, const std::vector<char>& of_rows) {

@@ -230,12 +230,12 @@ std::vector<double> DrivenSimulation::coordinates_on(const DrivenSurface& surfac
 }
 
 std::vector<double> DrivenSimulation::reactions_on(const DrivenSurface& surface) const {
-  const std::vector<char> held = model_->constraints().held();
+  const auto held = model_->constraints().held();
   std::vector<double> mine;
   const ConstArrayView reaction(simulation_->ledger().reaction());
   for (const PetscInt node : surface.owned) {
     for (PetscInt dof = 3 * node; dof < 3 * node + 3; ++dof) {
-      mine.push_back(held[static_cast<std::size_t>(dof)] != 0 ? reaction[dof] : 0.0);
+      mine.push_back(held[static_cast<std::size_t>(dof)] != Constraints::Hold::none ? reaction[dof] : 0.0);
     }
   }
   return gathered(comm_, mine);

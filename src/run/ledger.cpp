@@ -91,7 +91,7 @@ Ledger::Works Ledger::powers(const StagePoint& stage, Vec q, Vec v) {
         break;
     }
   }
-  power[supports] = work_of_supports(v);
+  set_works_of_constraints(v, power);
   return power;
 }
 
@@ -135,7 +135,7 @@ Ledger::Gain Ledger::gain(const StepAttempt& attempt) {
   const double fallen = before.load_potential - after.load_potential;
   const auto lost = [](const Energies& e) { return sum_of(e.dissipated_by_state); };
   const double change = after.kinetic - before.kinetic + after.elastic - before.elastic + lost(after) - lost(before);
-  return {change - fallen - done(kinetic) - done(stored) - done(potential),
+  return {change - fallen - done(kinetic) - done(stored) - done(potential) + done(ideal_constraints),
           before.kinetic + before.elastic + std::max(0.0, fallen) + std::max(0.0, done(loads) + done(supports))};
 }
 
@@ -201,7 +201,8 @@ void Ledger::balance() {
   e.load_work = works_[loads] + works_[supports];
   e.numerical_dissipation = (works_[kinetic] - (e.kinetic - initial_.kinetic)) +
                             (works_[stored] - dissipated_by_state - (e.elastic - initial_.elastic)) +
-                            (works_[potential] - (e.load_potential - initial_.load_potential)) + released_;
+                            (works_[potential] - (e.load_potential - initial_.load_potential)) -
+                            works_[ideal_constraints] + released_;
   e.balance_error = (e.kinetic - initial_.kinetic) + (e.elastic - initial_.elastic) +
                     (e.load_potential - initial_.load_potential) + e.dissipated + e.numerical_dissipation - e.load_work;
 }
@@ -229,7 +230,8 @@ void Ledger::add_works_along_displacement(const StepAttempt& attempt) {
   check(VecWAXPY(direction_.get(), -1.0, q_.get(), attempt.q));
   const Works before = works_along(direction_.get());
   if (!powers_are_known_) {
-    released_ = -0.5 * (before[stored] + before[potential] - before[loads] - before[supports]);
+    released_ =
+        -0.5 * (before[stored] + before[potential] - before[loads] - before[supports] - before[ideal_constraints]);
   }
   Works power = powers(attempt.last_stage, attempt.last_q, attempt.v);
   power[loads] = supply_without_energy_;  // other supply is the change of energies, below
@@ -273,20 +275,22 @@ Ledger::Works Ledger::works_along(Vec displacement) const {
   works[stored] = along(Account::stored);
   works[potential] = along(Account::load_potential);
   works[loads] = -along(Account::load);
-  works[supports] = work_of_supports(displacement);
+  set_works_of_constraints(displacement, works);
   return works;
 }
 
-double Ledger::work_of_supports(Vec displacement) const {
-  double work = 0.0;
+void Ledger::set_works_of_constraints(Vec displacement, Works& works) const {
+  double done[2] = {0.0, 0.0};
   {
     const ConstArrayView reaction(reaction_.get()), moved(displacement);
     for (std::size_t i = 0; i < held_.size(); ++i) {
-      if (held_[i]) work += reaction.span()[i] * moved.span()[i];
+      if (held_[i] == Constraints::Hold::none) continue;
+      done[held_[i] == Constraints::Hold::ideal ? 1 : 0] += reaction.span()[i] * moved.span()[i];
     }
   }
-  sum_over_ranks(model_.layout().comm, &work, 1);
-  return work;
+  sum_over_ranks(model_.layout().comm, done, 2);
+  works[supports] = done[0];
+  works[ideal_constraints] = done[1];
 }
 
 void Ledger::measure(const StateView& state) {

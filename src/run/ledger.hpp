@@ -94,7 +94,7 @@ class Ledger {
 
  private:
   /// The works; the dissipation of each mechanism follows them, then the impulse of each contact.
-  enum Work : std::size_t { kinetic, stored, potential, loads, supports, num_works };
+  enum Work : std::size_t { kinetic, stored, potential, loads, supports, ideal_constraints, num_works };
   using Works = std::vector<double>;
 
   /// The powers at the end of a stage; leaves its reactions in `reaction_`.
@@ -106,7 +106,8 @@ class Ledger {
   void add_works_along_displacement(const StepAttempt& attempt);
   void keep_forces(const StagePoint& stage, Vec q);
   Works works_along(Vec displacement) const;
-  double work_of_supports(Vec displacement) const;
+  /// Sets the works of `supports` and `ideal_constraints`.
+  void set_works_of_constraints(Vec displacement, Works& works) const;
   void measure(const StateView& state);
   /// Computes the quantities that follow from the works and the energies of the state.
   void balance();
@@ -121,10 +122,10 @@ class Ledger {
   Works works_;        // since the start
   Works last_powers_;  // at the last step, for trapezoids
   bool powers_are_known_ = false;
-  double released_ = 0.0;     // without inertia: by forces unbalanced at the start [J]
-  double time_ = 0.0;         // of the last step
-  double load_factor_ = 1.0;  // likewise
-  std::vector<char> held_;    // owned entries on which constraints do work
+  double released_ = 0.0;                // without inertia: by forces unbalanced at the start [J]
+  double time_ = 0.0;                    // of the last step
+  double load_factor_ = 1.0;             // likewise
+  std::vector<Constraints::Hold> held_;  // of owned entries
   std::vector<Reaction> reactions_;
   std::vector<JointReaction> joint_reactions_;
   std::vector<ContactForce> contacts_;

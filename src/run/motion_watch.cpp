@@ -134,6 +134,9 @@ MotionWatch::MotionWatch(const Config& config, const Model& model)
     bodies_.push_back(watched(*config.bodies[b].elasticity, model.body_names()[b]));
     if (const auto& expansion = config.bodies[b].expansion) bodies_.back().expansion = expansion->stretch;
   }
+  for (const TendonConfig& tendon : config.tendons) {
+    if (tendon.tension) tendons_.push_back({tendon.name, *tendon.tension, tendon.where});
+  }
 }
 
 MotionWatch::Body MotionWatch::watched(const ElasticityConfig& elasticity, const std::string& name) {
@@ -257,6 +260,22 @@ std::vector<std::string> MotionWatch::look_at_joints(const StepRecord& record) {
         fmt::format("{}: at {} joint '{}' is beyond its limits by {:.2g} of the range between them: shorten "
                     "the step, or give a larger 'limit_stiffness'",
                     to_string(joints_[j].where), instant(progress(record)), joints_[j].name, beyond));
+  }
+  return news;
+}
+
+std::vector<std::string> MotionWatch::look_at_tendons(const StepRecord& record) {
+  constexpr double rounding = 1e-9;
+  std::vector<std::string> news;
+  for (auto& [name, tension, where, largest, is_told] : tendons_) {
+    const double given = tension(0.0, 0.0, 0.0, record.time);
+    largest = std::max(largest, given);
+    if (is_told || !(given < -rounding * std::max(1.0, largest))) continue;
+    is_told = true;
+    news.push_back(
+        fmt::format("{}: at {} the tension given for tendon '{}' is {:.3g} N, and a string does not push: it "
+                    "is slack",
+                    to_string(where), instant(progress(record)), name, given));
   }
   return news;
 }

@@ -39,6 +39,10 @@ class MotionWatch {
   /// Warnings, once per joint, about those that are far beyond their limits. To be called for every accepted step.
   std::vector<std::string> look_at_joints(const StepRecord& record);
 
+  /// Warnings, once per tendon, about given tensions that are negative: the tendon is slack. To be called for every
+  /// accepted step.
+  std::vector<std::string> look_at_tendons(const StepRecord& record);
+
   /// At the end of the run: updates of warnings whose stretches have become worse since.
   std::vector<std::string> final_warnings() const;
 
@@ -56,6 +60,14 @@ class MotionWatch {
     Extreme smallest, largest;
     std::optional<StableStretches> stable = {};  ///< where they are known and the user has not been warned
     std::optional<Expression> expansion = {};    ///< the stretch that the law does not see
+  };
+
+  struct GivenTension {
+    std::string name;
+    Expression tension;
+    Location where;
+    double largest = 0.0;
+    bool is_told = false;
   };
 
   static Body watched(const ElasticityConfig& elasticity, const std::string& name);
@@ -77,6 +89,7 @@ class MotionWatch {
   std::vector<Body> bodies_;
   std::vector<JointConfig> joints_;
   std::vector<char> are_beyond_;  // per joint: the user has been warned
+  std::vector<GivenTension> tendons_;
   Handle<Vec> q_;
 };
 

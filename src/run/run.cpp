@@ -130,6 +130,7 @@ class Run {
       }
       if (const auto news = watch_.look_for_passage(record())) console_.warn(*news);
       for (const auto& news : watch_.look_at_joints(record())) console_.warn(news);
+      for (const auto& news : watch_.look_at_tendons(record())) console_.warn(news);
       last_frame_written_ = schedule.due(record().time) || simulation_->finished();
       if (last_frame_written_) {
         recorder_->write_frame(record());

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "model/events.hpp"
+#include "model/joint_stops.hpp"
 #include "petsc/check.hpp"
 #include "petsc/ghosted.hpp"
 
@@ -273,9 +274,17 @@ std::optional<std::string> Simulation::gain_at_barrier(const StepAttempt& attemp
 }
 
 std::optional<std::string> Simulation::impossibility(const StepAttempt& attempt, const Step& step) {
+  for (const Vec x : {attempt.q, attempt.v}) {
+    PetscReal size = 0.0;
+    check(VecNorm(x, NORM_2, &size));
+    if (!std::isfinite(size)) return "the state at the end of the step is not finite";
+  }
   if (ends_inside_out(attempt)) {
     return "a tetrahedron is inside out at the end of the step, although not in any of its stages: the method combines "
            "all of them";
+  }
+  if (auto passes = passed_stop(model_.given_joints(), model_.constraints().joints(), q_.get(), attempt.q)) {
+    return passes;
   }
   if (auto passes = passage(attempt)) return passes;
   return gain_at_barrier(attempt, step);

@@ -3,6 +3,7 @@
 #include "energy/constraint/sparse_rows.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/matrix_parts.hpp"
 
 #include <algorithm>
 
@@ -57,6 +58,19 @@ ConstraintMap::ConstraintMap(const NodeLayout& layout, std::span<const Slave> sl
   }
   J_ = make_sparse_matrix(comm_, rows);
   W_ = J_.share();
+  find_places();
+}
+
+void ConstraintMap::find_places() {
+  const MatrixRows own(J_.get(), 0), others(J_.get(), 1);
+  for (const auto& dependent : dependents_) {
+    auto& places = places_.emplace_back();
+    for (const PetscInt a : dependent->nodes()) {
+      for (PetscInt row = 3 * a; row < 3 * a + 3; ++row) {
+        for (const PetscInt host : dependent->hosts()) places.push_back((owns(host) ? own : others).entry(row, host));
+      }
+    }
+  }
 }
 
 Handle<Vec> ConstraintMap::make_vector() const {
@@ -136,18 +150,17 @@ void ConstraintMap::expand(Vec y, Vec q) const {
   for (const auto& dependent : dependents_) dependent->put_displacements(unknowns_of(*dependent, y), q);
 }
 
-void ConstraintMap::put_rows(Mat matrix, const DependentNodes& dependent, std::span<const double> unknowns,
+void ConstraintMap::put_rows(Mat matrix, std::size_t dependent, std::span<const double> unknowns,
                              PutColumns put) const {
-  const auto hosts = dependent.hosts();
+  const auto& nodes = *dependents_[dependent];
+  const auto hosts = nodes.hosts();
   std::vector<Vector3<double>> columns(hosts.size());
-  std::vector<double> values(hosts.size());
-  for (const PetscInt a : dependent.nodes()) {
-    (dependent.*put)(unknowns, a, columns);
+  const MatrixValues values(matrix);
+  auto place = places_[dependent].begin();
+  for (const PetscInt a : nodes.nodes()) {
+    (nodes.*put)(unknowns, a, columns);
     for (std::size_t i = 0; i < 3; ++i) {
-      std::ranges::transform(columns, values.begin(), [&](const auto& column) { return column[i]; });
-      const PetscInt row = first_entry_ + 3 * a + static_cast<PetscInt>(i);
-      check(MatSetValues(matrix, 1, &row, static_cast<PetscInt>(hosts.size()), hosts.data(), values.data(),
-                         INSERT_VALUES));
+      for (std::size_t k = 0; k < hosts.size(); ++k) values[owns(hosts[k]) ? 0 : 1][*place++] = columns[k][i];
     }
   }
 }
@@ -159,10 +172,8 @@ void ConstraintMap::linearize(Vec y) {
   if (linearized_at_ == unknowns_of_all) return;
   linearized_at_ = std::move(unknowns_of_all);
   for (std::size_t d = 0; d < dependents_.size(); ++d) {
-    const auto& dependent = dependents_[d];
-    const auto& unknowns = linearized_at_[d];
-    put_rows(J_.get(), *dependent, unknowns, &DependentNodes::put_columns);
-    if (!is_symmetric()) put_rows(W_.get(), *dependent, unknowns, &DependentNodes::put_test_columns);
+    put_rows(J_.get(), d, linearized_at_[d], &DependentNodes::put_columns);
+    if (!is_symmetric()) put_rows(W_.get(), d, linearized_at_[d], &DependentNodes::put_test_columns);
   }
   assemble(J_.get());
   if (!is_symmetric()) assemble(W_.get());
@@ -175,9 +186,9 @@ void ConstraintMap::begin_end_of_step(Vec q) {
 
 void ConstraintMap::linearize_at(Vec q) {
   begin_end_of_step(q);
-  for (const auto& dependent : dependents_) {
-    const std::vector<double> at_reference(dependent->hosts().size(), 0.0);
-    put_rows(J_.get(), *dependent, at_reference, &DependentNodes::put_columns);
+  for (std::size_t d = 0; d < dependents_.size(); ++d) {
+    const std::vector<double> at_reference(dependents_[d]->hosts().size(), 0.0);
+    put_rows(J_.get(), d, at_reference, &DependentNodes::put_columns);
   }
   assemble(J_.get());
 }
@@ -213,6 +224,15 @@ void ConstraintMap::add_curvature(Vec y, Vec f, Mat K, const std::function<Petsc
     }
   }
   assemble(K);
+}
+
+std::vector<char> ConstraintMap::is_ideal() const {
+  std::vector<char> result(is_slave_.size(), 0);
+  for (const auto& dependent : dependents_) {
+    if (!dependent->is_ideal()) continue;
+    for (const PetscInt a : dependent->nodes()) std::fill_n(result.begin() + 3 * a, 3, 1);
+  }
+  return result;
 }
 
 bool ConstraintMap::is_driven() const {

@@ -88,6 +88,8 @@ class ConstraintMap {
 
   /// One flag per owned entry: whether the entry of y has no meaning. Not collective.
   const std::vector<char>& is_slave() const { return is_slave_; }
+  /// One flag per owned entry: whether it is of a dependent node whose constraint does no work. Not collective.
+  std::vector<char> is_ideal() const;
   /// One flag per owned entry: whether constraints do work there, as on a slave or a master. Not collective.
   const std::vector<char>& is_tied() const { return is_tied_; }
 
@@ -100,8 +102,9 @@ class ConstraintMap {
 
  private:
   using PutColumns = void (DependentNodes::*)(std::span<const double>, PetscInt, std::span<Vector3<double>>) const;
-  /// Inserts the rows of dependent nodes.
-  void put_rows(Mat matrix, const DependentNodes& dependent, std::span<const double> unknowns, PutColumns put) const;
+  void find_places();
+  /// Sets the rows of the dependent nodes of this number.
+  void put_rows(Mat matrix, std::size_t dependent, std::span<const double> unknowns, PutColumns put) const;
   /// The unknowns from their hosts in y, on every rank. Collective.
   std::vector<double> unknowns_of(const DependentNodes& dependent, Vec y) const;
   /// Writes the unknowns to their hosts in y.
@@ -115,6 +118,7 @@ class ConstraintMap {
   std::vector<std::unique_ptr<DependentNodes>> dependents_;
   std::vector<char> is_slave_, is_tied_;
   Handle<Mat> J_, W_;                               // the same where W = J
+  std::vector<std::vector<PetscInt>> places_;       // per dependent: entries of its rows, in order, for its hosts
   std::vector<std::vector<double>> linearized_at_;  // unknowns of the dependents in this stage; empty: nowhere yet
 };
 

@@ -15,9 +15,10 @@ inline constexpr double joint_tolerance = 1e-14;
 enum class Descent { nothing_to_do, done, failed };
 
 /// Gauss and Newton's method for h(x) = 0 from far away: steps that do not lower |h| are shortened. Until |h| is that
-/// of rounding, about `size` times the tolerance. `evaluate(x, h, G)`; `moved(x, change)` is x after a change.
+/// of rounding, about `size` times the tolerance. `weights`: how willingly each unknown changes. `evaluate(x, h, G)`;
+/// `moved(x, change)` is x after a change.
 template <class X, class Evaluate, class Move>
-Descent descend(X& x, double size, const Evaluate& evaluate, const Move& moved) {
+Descent descend(X& x, double size, const Eigen::VectorXd& weights, const Evaluate& evaluate, const Move& moved) {
   constexpr int most_iterations = 100, most_halvings = 20;
   Eigen::VectorXd h, h_next;
   Eigen::MatrixXd G, G_next;
@@ -27,7 +28,8 @@ Descent descend(X& x, double size, const Evaluate& evaluate, const Move& moved) 
     if (h.size() == 0 || h.lpNorm<Eigen::Infinity>() <= joint_tolerance * size) {
       return i == 0 ? Descent::nothing_to_do : Descent::done;
     }
-    const Eigen::VectorXd change = -G.transpose() * Eigen::MatrixXd(G * G.transpose()).partialPivLu().solve(h);
+    const Eigen::MatrixXd across = weights.asDiagonal() * G.transpose();
+    const Eigen::VectorXd change = -across * Eigen::MatrixXd(G * across).partialPivLu().solve(h);
     bool is_lower = false;
     for (int k = 0; k < most_halvings && !is_lower; ++k) {
       X next = moved(x, std::ldexp(1.0, -k) * change);

@@ -8,7 +8,7 @@
 namespace pliant {
 
 LinearTies::LinearTies(const NodeLayout& layout, std::span<const Slave> slaves, std::vector<GivenDisplacement> given)
-    : given_(std::move(given)) {
+    : is_empty_(slaves.empty()), given_(std::move(given)) {
   const PetscInt first = 3 * layout.first_global_node, num_owned = 3 * layout.num_owned_nodes;
   SparseRows rows(static_cast<std::size_t>(num_owned)), sizes(rows);
   std::vector<double> squares;  // of the coefficients of each owned slave's tie
@@ -58,6 +58,7 @@ void LinearTies::set_prescribed_fraction(double fraction) {
 }
 
 void LinearTies::put_slaves(Vec y, Vec q) const {
+  if (is_empty_) return;
   check(MatMultAdd(C_.get(), y, offset_.get(), work_.get()));
   const ConstArrayView followed(work_.get());
   const ArrayView entries(q);
@@ -149,6 +150,7 @@ void LinearTies::put_nearest(Vec x, const Offsets& offset) const {
 }
 
 void LinearTies::correct(Vec x, const Offsets& offset, Correction correction) const {
+  if (is_empty_) return;
   correction == Correction::nearest ? put_nearest(x, offset) : follow(x, offset);
 }
 
@@ -175,7 +177,8 @@ void LinearTies::complete_step(const Step& step, Vec q, Vec v, Correction correc
 
 void LinearTies::restart(const Step& step, Vec v) const {
   const auto g = offsets(step.time, step.dt, 1.0, Side::after);
-  put_nearest(v, [&](std::size_t s) { return g[s].v; });
+  correct(
+      v, [&](std::size_t s) { return g[s].v; }, Correction::nearest);
 }
 
 void LinearTies::weigh_slaves(Vec q, Vec x) const {

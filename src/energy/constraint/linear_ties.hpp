@@ -70,6 +70,7 @@ class LinearTies {
     PetscInt local_entry;
     std::vector<GivenTerm> given;
   };
+  bool is_empty_;  // on every rank
   std::vector<GivenDisplacement> given_;
   std::vector<OwnedSlave> slaves_;
   Handle<Mat> C_, sizes_;                           // the rows of slaves; their absolute values

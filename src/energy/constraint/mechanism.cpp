@@ -6,8 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <eigen3/Eigen/Eigenvalues>
 #include <eigen3/Eigen/QR>
-#include <eigen3/Eigen/SVD>
 #include <limits>
 #include <numbers>
 
@@ -17,6 +17,8 @@ namespace {
 constexpr auto no_part = static_cast<std::size_t>(-1);
 /// Columns that keep less than this of their length give way to others.
 constexpr double least_kept = 0.1;
+/// By how much parts that soft bodies hold move where joints correct a position, relative to others.
+constexpr double of_held = 1e-6;
 
 /// The first unknown of each part, and the number of all.
 std::vector<std::size_t> first_unknowns(const std::vector<std::unique_ptr<RigidPart>>& parts) {
@@ -28,7 +30,7 @@ std::vector<std::size_t> first_unknowns(const std::vector<std::unique_ptr<RigidP
 }  // namespace
 
 Mechanism::Mechanism(const NodeLayout& layout, std::vector<std::unique_ptr<RigidPart>> parts,
-                     std::vector<JointEquation> equations)
+                     const std::vector<char>& are_held, std::vector<JointEquation> equations)
     : comm_(layout.comm),
       parts_(std::move(parts)),
       first_(first_unknowns(parts_)),
@@ -42,13 +44,18 @@ Mechanism::Mechanism(const NodeLayout& layout, std::vector<std::unique_ptr<Rigid
     }
     size_ = std::max(size_, parts_[p]->size());
   }
+  weights_ = Vector::Ones(static_cast<Eigen::Index>(hosts_.size()));
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    const auto first = static_cast<Eigen::Index>(first_[p]);
+    if (are_held[p]) weights_.segment(first, static_cast<Eigen::Index>(first_[p + 1]) - first).setConstant(of_held);
+  }
   // The reference configuration, at the start of the run.
   reference_ = Vector::Zero(static_cast<Eigen::Index>(hosts_.size()));
   given_ = joints_.given(0.0, 1.0, 1.0, 1.0, Side::after);
   Vector g;
   joints_.configuration(motions(reference_), Along::columns, given_, g, G_ref_);
   joints_.scale_rows(G_ref_);
-  choose_columns(G_ref_);
+  choose_columns();
   preferred_ = columns_;
   hosts_.resize(static_cast<std::size_t>(columns_.cols()));
 }
@@ -96,21 +103,34 @@ void Mechanism::evaluate(const std::vector<PartMotion>& parts, Vector& h, Matrix
   joints_.configuration(ends, Along::columns, given_, h, G);
 }
 
-void Mechanism::choose_columns(const Matrix& G) {
-  const Eigen::Index n = G.cols(), m = std::min(G.rows(), n);
-  const Eigen::HouseholderQR<Matrix> qr(G.transpose());
-  const Matrix complement = Matrix(qr.householderQ()).rightCols(n - m);
-  columns_ = complement;
-  if (preferred_.cols() != complement.cols() || preferred_.rows() != n || complement.cols() == 0) return;
-  const Eigen::JacobiSVD<Matrix> svd(complement.transpose() * preferred_, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  if (svd.singularValues()[complement.cols() - 1] < least_kept) return;
-  columns_ = complement * (svd.matrixU() * svd.matrixV().transpose());
+// The orthonormal columns nearest to the preferred ones: the polar factor of their part in the null space of G.
+void Mechanism::choose_columns() {
+  const Eigen::Index n = G_ref_.cols(), m = std::min(G_ref_.rows(), n), num_free = n - m;
+  across_ = weights_.asDiagonal() * G_ref_.transpose();
+  const Eigen::HouseholderQR<Matrix> qr(G_ref_.transpose());
+  const auto are_chosen = [&] {
+    if (preferred_.cols() != num_free || preferred_.rows() != n || num_free == 0) return false;
+    columns_ = qr.householderQ().adjoint() * preferred_;
+    columns_.topRows(m).setZero();
+    columns_.applyOnTheLeft(qr.householderQ());
+    const Eigen::SelfAdjointEigenSolver<Matrix> squares(columns_.transpose() * columns_);
+    if (squares.eigenvalues()[0] < least_kept * least_kept) return false;
+    columns_ *= squares.operatorInverseSqrt();
+    return true;
+  };
+  if (!are_chosen()) columns_ = Matrix(qr.householderQ()).rightCols(num_free);
+  coordinates_ = columns_.transpose();
+  if (weights_.minCoeff() == 1.0) return;
+  Matrix basis(n, n);
+  basis << columns_, across_.colwise().normalized();
+  coordinates_ = basis.partialPivLu().inverse().topRows(num_free);
 }
 
 bool Mechanism::approach(Vector& xi) const {
   const auto evaluate_at = [&](const Vector& at, Vector& h, Matrix& G) { evaluate(motions(at), h, G); };
   const auto moved = [](const Vector& from, const Vector& change) { return Vector(from + change); };
-  return descend(xi, size_, evaluate_at, moved) != Descent::failed && joints_.is_on_branch(motions(xi), given_);
+  return descend(xi, size_, weights_, evaluate_at, moved) != Descent::failed &&
+         joints_.is_on_branch(motions(xi), given_);
 }
 
 bool Mechanism::solve(Vector& xi, std::vector<PartMotion>& parts, Matrix& G) const {
@@ -131,8 +151,7 @@ bool Mechanism::solve(Vector& xi, std::vector<PartMotion>& parts, Matrix& G) con
       return is_near && joints_.is_on_branch(parts, given_);
     }
     last = error;
-    const Vector z = Matrix(G * G_ref_.transpose()).partialPivLu().solve(h);
-    xi -= G_ref_.transpose() * z;
+    xi -= across_ * Matrix(G * across_).partialPivLu().solve(h);
     // The equations are those of motions of about this size.
     if (!(xi - reference_).allFinite()) return false;
     parts = motions(xi);
@@ -180,7 +199,7 @@ void Mechanism::begin_stage(const StagePoint& stage, Vec q) {
     reference_ = solution;
     evaluate(motions(reference_), h, G_ref_);
   }
-  choose_columns(G_ref_);
+  choose_columns();
 }
 
 void Mechanism::begin_end_of_step(Vec q) {
@@ -190,7 +209,7 @@ void Mechanism::begin_end_of_step(Vec q) {
   reference_ = nearest_of_parts(q);
   Vector g;
   joints_.configuration(motions(reference_), Along::columns, given_, g, G_ref_);
-  choose_columns(G_ref_);
+  choose_columns();
   // The configuration fulfils the equations, of whatever time.
   Solution& solution = solution_;
   solution.unknowns.assign(hosts_.size(), 0.0);
@@ -206,7 +225,7 @@ const Mechanism::Solution& Mechanism::at(std::span<const double> unknowns) const
   const auto size = static_cast<Eigen::Index>(unknowns.size());
   const Eigen::Map<const Vector> y(unknowns.data(), size);
   if (solution.xi.size() > 0 && solution.xi.allFinite()) {
-    // From the last solution along its tangent; N^T dxi/dy = I.
+    // From the last solution along its tangent.
     const Eigen::Map<const Vector> before(solution.unknowns.data(), size);
     solution.xi += solution.columns * (y - before);
   } else {
@@ -222,11 +241,10 @@ const Mechanism::Solution& Mechanism::at(std::span<const double> unknowns) const
   solution.columns = solution.test_columns = columns_;
   if (!joints_.empty()) {
     Vector g;
-    const Matrix across = G_ref_.transpose();
-    solution.columns -= across * Matrix(G * across).partialPivLu().solve(G * columns_);
+    solution.columns -= across_ * Matrix(G * across_).partialPivLu().solve(G * columns_);
     joints_.configuration(solution.parts, Along::test_columns, given_, g, G);
-    solution.test.compute(G * across);
-    solution.test_columns -= across * solution.test.solve(G * columns_);
+    solution.test.compute(G * across_);
+    solution.test_columns -= across_ * solution.test.solve(G * columns_);
   }
   combine(solution);
   return solution;
@@ -284,7 +302,7 @@ std::vector<double> Mechanism::nearest_unknowns(Vec q) const {
   Vector solution = nearest_of_parts(q);
   Vector on_joints = solution;
   if (approach(on_joints)) solution = on_joints;
-  const Vector y = columns_.transpose() * (solution - reference_);
+  const Vector y = coordinates_ * (solution - reference_);
   return {y.begin(), y.end()};
 }
 
@@ -294,8 +312,7 @@ std::vector<double> Mechanism::nearest_rates(Vec v) const {
     const auto nearest = part->nearest_rates(v);
     rates.insert(rates.end(), nearest.begin(), nearest.end());
   }
-  const Vector w =
-      columns_.transpose() * Eigen::Map<const Vector>(rates.data(), static_cast<Eigen::Index>(rates.size()));
+  const Vector w = coordinates_ * Eigen::Map<const Vector>(rates.data(), static_cast<Eigen::Index>(rates.size()));
   return {w.begin(), w.end()};
 }
 
@@ -336,7 +353,8 @@ bool Mechanism::fit_states(const Step& step, Side side, bool with_configurations
     }
     return at;
   };
-  const bool are_new = with_configurations && descend(states, size_, evaluate_at, moved) != Descent::nothing_to_do;
+  const bool are_new = with_configurations && descend(states, size_, Vector::Ones(G_ref_.cols()), evaluate_at, moved) !=
+                                                  Descent::nothing_to_do;
   Vector g;
   Matrix G;
   evaluate_at(states, g, G);

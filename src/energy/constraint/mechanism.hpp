@@ -21,18 +21,20 @@ namespace pliant {
 /// g = 0 for the step's end in the last (so that the order of every method is kept, as a rigid part keeps it). The
 /// unknowns y are coordinates of the solutions of these equations (tangent-plane parametrisation),
 ///
-///   xi(y) = xi_ref + N y + G_ref^T z(y),   h(xi(y)) = 0,   G = dh/dxi,   G_ref N = 0,   N^T N = I,
+///   xi(y) = xi_ref + N y + D G_ref^T z(y),   h(xi(y)) = 0,   G = dh/dxi,   G_ref N = 0,   N^T N = I,
 ///
 /// N as close as possible to the same columns at all times, so that the factors of matrices can be kept. z is found by
-/// Newton's method to rounding: joints are exact whatever the solver's tolerance. The virtual displacements are those
+/// Newton's method to rounding: joints are exact whatever the solver's tolerance. D is the identity, but for parts that
+/// soft bodies hold: there it is small, so that the parts which hang from them turn by finite angles without a reaction
+/// on a stiff body (else the energy is a narrow curved valley). The virtual displacements are those
 /// which the joints allow at the configuration of the stage: their forces on two bodies are opposite, with no resultant
 /// and no moment. Sources: Potra & Yen 1991, "Implicit numerical integration for Euler-Lagrange equations via tangent
 /// space parametrization"; Hairer & Wanner, Solving Ordinary Differential Equations II, VII.2.
 class Mechanism final : public DependentNodes {
  public:
-  /// `parts`: their nodes do not lie in planes. `equations`: independent at the reference configuration
-  /// (dependent_joints). Collective.
-  Mechanism(const NodeLayout& layout, std::vector<std::unique_ptr<RigidPart>> parts,
+  /// `parts`: their nodes do not lie in planes. `are_held`: one flag each, whether soft bodies hold it. `equations`:
+  /// independent at the reference configuration (dependent_joints). Collective.
+  Mechanism(const NodeLayout& layout, std::vector<std::unique_ptr<RigidPart>> parts, const std::vector<char>& are_held,
             std::vector<JointEquation> equations);
 
   /// JointSystem::dependent_joints, at the reference configuration. Not collective.
@@ -106,7 +108,7 @@ class Mechanism final : public DependentNodes {
     std::vector<PartMotion> parts;
     Matrix columns, test_columns;                                           // d xi / dy, and virtual displacements
     std::vector<std::vector<BodyMotion<double>>> motions, virtual_motions;  // the same, of each part by each unknown
-    Eigen::PartialPivLU<Matrix> test;  // of G_W G_ref^T, G_W: along virtual displacements
+    Eigen::PartialPivLU<Matrix> test;  // of G_W D G_ref^T, G_W: along virtual displacements
   };
 
   std::span<const double> of_part(const Vector& xi, std::size_t part) const;
@@ -116,7 +118,7 @@ class Mechanism final : public DependentNodes {
   /// h and its derivative by xi.
   void evaluate(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const;
   /// The columns N for equations with the derivative G_ref.
-  void choose_columns(const Matrix& G);
+  void choose_columns();
   double largest_rotation(const Vector& xi) const;
   /// The nearest solution of h(xi) = 0 about; false: none is found.
   bool approach(Vector& xi) const;
@@ -140,6 +142,7 @@ class Mechanism final : public DependentNodes {
   double size_ = 0.0;  // of the parts [m]
   std::vector<PetscInt> nodes_, hosts_;
   std::vector<std::size_t> part_of_node_;  // per local owned node
+  Vector weights_;                         // D
   Matrix preferred_;                       // columns N
   Rigidity rigidity_ = Rigidity::of_configurations;
   // State of the current stage.
@@ -149,7 +152,8 @@ class Mechanism final : public DependentNodes {
   std::vector<BodyMotion<double>> start_, advance_, rest_;  // x0, dt v0, and the rest of the step's end
   JointSystem::Given given_;
   Vector reference_;
-  Matrix columns_, G_ref_;
+  Matrix columns_, G_ref_, across_;  // across_: D G_ref^T
+  Matrix coordinates_;               // y = coordinates_ (xi - xi_ref): of N the inverse, of `across_` zero
   mutable Solution solution_;
 };
 

@@ -6,8 +6,8 @@
 
 namespace pliant {
 
-// With the forces phi on the parts' unknowns and V = N - G_ref^T (G_W G_ref^T)^-1 G_W N: phi^T dV = -lambda^T dG_W V,
-// lambda = (G_W G_ref^T)^-T G_ref phi.
+// With the forces phi on the parts' unknowns and V = N - A (G_W A)^-1 G_W N, A = D G_ref^T: phi^T dV = -lambda^T dG_W
+// V, lambda = (G_W A)^-T A^T phi.
 std::vector<double> Mechanism::curvature(std::span<const double> unknowns, Vec f) const {
   const Solution& solution = at(unknowns);
   const auto all = static_cast<Eigen::Index>(first_.back());
@@ -30,7 +30,7 @@ std::vector<double> Mechanism::curvature(std::span<const double> unknowns, Vec f
   }
   Matrix result = solution.test_columns.transpose() * of_parts * solution.columns;
   if (!joints_.empty()) {
-    const Vector lambda = solution.test.transpose().solve(G_ref_ * phi);
+    const Vector lambda = solution.test.transpose().solve(across_.transpose() * phi);
     const Matrix of_joints = joints_.curvature(solution.parts, bends, given_, lambda);
     result -= solution.test_columns.transpose() * of_joints * solution.columns;
   }

@@ -117,6 +117,7 @@ class RigidPart final : public DependentNodes {
   RigidState state(const Step& step, Side side, Vec q, Vec v) const;
   /// Whether a formula of time moves it. Not collective.
   bool is_moved() const { return motion_.rigid->depends_on_time(); }
+  bool is_ideal() const override { return !is_moved(); }
   /// The same without what is prescribed: as it is. Collective.
   RigidState state(Vec q, Vec v) const;
   /// Moves a state by unknowns, and changes its velocities by rates of them.

@@ -24,13 +24,13 @@ ConstrainedEquation::ConstrainedEquation(StageEquation& equation, ConstraintMap&
       full_(equation.make_hessian()),
       y_part_(map.make_vector().get()),
       x_part_(map.make_vector().get()) {
-  for (Handle<Vec>* x : {&x_, &d_, &full_gradient_, &diagonal_, &y0_, &w0_, &accepted_}) *x = equation.make_vector();
+  for (Handle<Vec>* x : {&x_, &d_, &full_gradient_, &y0_, &w0_, &accepted_}) *x = equation.make_vector();
   for (KnownGradient& known : known_) {
     known.y = equation.make_vector();
     known.r = equation.make_vector();
   }
   if (!map.is_symmetric()) own_test_matrix_.emplace(map.test_matrix(), x_.get());
-  product_.emplace(full_.get(), test_matrix(), jacobian_.matrix(), map.is_tied());
+  product_.emplace(full_.get(), test_matrix(), jacobian_.matrix(), map.is_tied(), map.is_slave());
   pattern_of_full_ = pattern_id(full_.get());
   PetscInt size = 0;
   check(VecGetLocalSize(x_.get(), &size));
@@ -276,7 +276,7 @@ void ConstrainedEquation::project(Mat K) {
   if (pattern_id(full_.get()) != pattern_of_full_) {
     pattern_of_full_ = pattern_id(full_.get());
     present_pattern_.change();
-    product_.emplace(full_.get(), test_matrix(), jacobian_.matrix(), map_.is_tied());
+    product_.emplace(full_.get(), test_matrix(), jacobian_.matrix(), map_.is_tied(), map_.is_slave());
   }
   if (!present_pattern_.is_that_of(K)) present_pattern_.give(K, make_hessian());
   product_->set(full_.get(), K);
@@ -287,18 +287,6 @@ void ConstrainedEquation::hessian(Vec y, Mat K, Projection projection) {
   equation_.hessian(x_.get(), full_.get(), projection);
   linearize(y);
   project(K);
-  check(MatGetDiagonal(K, diagonal_.get()));
-  PetscReal total = 0.0;
-  check(VecNorm(diagonal_.get(), NORM_1, &total));
-  const double mean = total > 0.0 ? total / num_unknowns() : 1.0;
-  PetscInt first = 0;
-  check(MatGetOwnershipRange(K, &first, nullptr));
-  for (std::size_t i = 0; i < map_.is_slave().size(); ++i) {
-    const PetscInt entry = first + static_cast<PetscInt>(i);
-    if (map_.is_slave()[i]) check(MatSetValue(K, entry, entry, mean, INSERT_VALUES));
-  }
-  check(MatAssemblyBegin(K, MAT_FINAL_ASSEMBLY));
-  check(MatAssemblyEnd(K, MAT_FINAL_ASSEMBLY));
   if (map_.is_linear() || projection == Projection::positive_semidefinite) return;
   const LeadingPart::Of unknowns(y_part_, y), forces(x_part_, gradient_in_x(y));
   map_.add_curvature(unknowns.get(), forces.get(), K, [&](PetscInt entry) { return jacobian_.place(entry); });

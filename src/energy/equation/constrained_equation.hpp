@@ -103,7 +103,7 @@ class ConstrainedEquation final : public StageEquation {
   PetscObjectId pattern_of_full_ = 0;  // pattern_id
   PresentPattern present_pattern_;     // of W^T K J
   LeadingPart y_part_, x_part_;
-  Handle<Vec> x_, d_, full_gradient_, diagonal_, y0_, w0_, accepted_;
+  Handle<Vec> x_, d_, full_gradient_, y0_, w0_, accepted_;
   std::array<KnownGradient, 2> known_;
   std::size_t last_known_ = 0;
 };

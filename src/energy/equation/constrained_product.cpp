@@ -1,10 +1,15 @@
 #include "energy/equation/constrained_product.hpp"
 
+#include "petsc/collective.hpp"
+
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace pliant {
-ConstrainedProduct::ConstrainedProduct(Mat A, Mat W, Mat J, const std::vector<char>& is_tied) : W_(W), J_(J) {
+ConstrainedProduct::ConstrainedProduct(Mat A, Mat W, Mat J, const std::vector<char>& is_tied,
+                                       const std::vector<char>& is_slave)
+    : W_(W), J_(J) {
   PetscInt num_rows = 0;
   check(MatGetLocalSize(A, &num_rows, nullptr));
   is_tied_row_.assign(is_tied.begin(), is_tied.end());
@@ -35,6 +40,7 @@ ConstrainedProduct::ConstrainedProduct(Mat A, Mat W, Mat J, const std::vector<ch
     }
   }
   pattern_ = make_zero_matrix(J, offsets, columns);
+  find_diagonal(is_slave);
   for (std::size_t p = 0; p < 2; ++p) {
     const MatrixRows of_A(A, p), near(near_.get(), p), of_product(product_.get(), p), of_K(pattern_.get(), p);
     const auto is_near = [&](PetscInt row, PetscInt k) {
@@ -44,6 +50,17 @@ ConstrainedProduct::ConstrainedProduct(Mat A, Mat W, Mat J, const std::vector<ch
     near_from_A_[p] = of_A.runs(near, is_near);
     K_from_A_[p] = of_A.runs(of_K, [&](PetscInt row, PetscInt k) { return !is_near(row, k); });
     K_from_product_[p] = of_product.runs(of_K, [](PetscInt, PetscInt) { return true; });
+  }
+}
+
+void ConstrainedProduct::find_diagonal(const std::vector<char>& is_slave) {
+  const MatrixRows own(pattern_.get(), 0);
+  for (PetscInt row = 0; row < own.size(); ++row) {
+    for (PetscInt k = own.begin(row); k < own.end(row); ++k) {
+      if (own.local_column(k) != row) continue;
+      const bool is_of_slave = static_cast<std::size_t>(row) < is_slave.size() && is_slave[row];
+      (is_of_slave ? of_slaves_ : of_others_).push_back(k);
+    }
   }
 }
 
@@ -72,9 +89,12 @@ void ConstrainedProduct::multiply(MatReuse reuse) {
     check(MatPtAP(near_.get(), J_, reuse, PETSC_DEFAULT, reuse == MAT_REUSE_MATRIX ? &product : product_.out()));
     return;
   }
+  // MatTransposeMatMult of these matrices would put its entries one by one.
+  Mat transposed = W_transposed_.get();
+  check(MatTranspose(W_, reuse, reuse == MAT_REUSE_MATRIX ? &transposed : W_transposed_.out()));
   check(MatMatMult(near_.get(), J_, reuse, PETSC_DEFAULT, reuse == MAT_REUSE_MATRIX ? &with_J : near_times_J_.out()));
-  check(MatTransposeMatMult(W_, near_times_J_.get(), reuse, PETSC_DEFAULT,
-                            reuse == MAT_REUSE_MATRIX ? &product : product_.out()));
+  check(MatMatMult(W_transposed_.get(), near_times_J_.get(), reuse, PETSC_DEFAULT,
+                   reuse == MAT_REUSE_MATRIX ? &product : product_.out()));
 }
 
 Handle<Mat> ConstrainedProduct::make() const {
@@ -102,9 +122,18 @@ void ConstrainedProduct::set(Mat A, Mat K) {
         for (PetscInt k = 0; k < run.count; ++k) to[p][run.to + k] += of_product[p][run.from + k];
       }
     }
+    set_diagonal_of_slaves(to);
   }
   check(MatAssemblyBegin(K, MAT_FINAL_ASSEMBLY));
   check(MatAssemblyEnd(K, MAT_FINAL_ASSEMBLY));
+}
+
+void ConstrainedProduct::set_diagonal_of_slaves(const MatrixValues& K) const {
+  double sums[2] = {0.0, static_cast<double>(of_others_.size())};
+  for (const PetscInt entry : of_others_) sums[0] += std::abs(K[0][entry]);
+  sum_in_place(PetscObjectComm(reinterpret_cast<PetscObject>(pattern_.get())), sums);
+  const double mean = sums[0] > 0.0 ? sums[0] / sums[1] : 1.0;
+  for (const PetscInt entry : of_slaves_) K[0][entry] = mean;
 }
 
 }  // namespace pliant

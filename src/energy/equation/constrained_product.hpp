@@ -17,29 +17,34 @@ namespace pliant {
 class ConstrainedProduct {
  public:
   /// All of type MATMPIAIJ with the same layout; only patterns are used. W and J may be one matrix. `is_tied`: one flag
-  /// per leading owned row of J and W; the others are those of the identity. J and W outlive the object. Collective.
-  ConstrainedProduct(Mat A, Mat W, Mat J, const std::vector<char>& is_tied);
+  /// per leading owned row of J and W; the others are those of the identity. `is_slave`: likewise, rows and columns of
+  /// K that are zero. J and W outlive the object. Collective.
+  ConstrainedProduct(Mat A, Mat W, Mat J, const std::vector<char>& is_tied, const std::vector<char>& is_slave);
 
   /// A zero matrix with the pattern of K. Collective.
   Handle<Mat> make() const;
-  /// Sets K, a matrix of make() for an A of this pattern, from the values of A, J and W. Collective.
+  /// Sets K, a matrix of make() for an A of this pattern, from the values of A, J and W. The diagonal entries of slaves
+  /// are the mean magnitude of the others. Collective.
   void set(Mat A, Mat K);
 
  private:
   /// One list for each part of a matrix: the columns of this rank, and those of other ranks.
   using Runs = std::array<std::vector<EntryRun>, 2>;
 
+  void find_diagonal(const std::vector<char>& is_slave);
   void make_near(Mat A);
   void multiply(MatReuse reuse);
+  void set_diagonal_of_slaves(const MatrixValues& K) const;
 
   Mat W_, J_;
   std::array<std::vector<char>, 2> is_tied_column_;  // per column of each part of A
   std::vector<char> is_tied_row_;
-  Handle<Mat> near_;          // A'
-  Handle<Mat> near_times_J_;  // where W is not J
-  Handle<Mat> product_;       // W^T A' J
-  Handle<Mat> pattern_;       // of K
+  Handle<Mat> near_;                         // A'
+  Handle<Mat> W_transposed_, near_times_J_;  // where W is not J
+  Handle<Mat> product_;                      // W^T A' J
+  Handle<Mat> pattern_;                      // of K
   Runs near_from_A_, K_from_A_, K_from_product_;
+  std::vector<PetscInt> of_slaves_, of_others_;  // diagonal entries of K
 };
 
 }  // namespace pliant

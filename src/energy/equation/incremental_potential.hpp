@@ -7,6 +7,7 @@
 #include "energy/stage_equation.hpp"
 #include "fem/block_matrix.hpp"
 #include "fem/layout.hpp"
+#include "petsc/matrix_parts.hpp"
 #include "petsc/matrix_pattern.hpp"
 #include "time/stage.hpp"
 
@@ -72,6 +73,7 @@ class IncrementalPotential final : public StageEquation {
   /// Size of the rounding errors in the gradient at q [N]: |eps K_ii u_i| with the diagonal of the last Hessian, and
   /// eps c |g| sum |g_i u_i| with its rank-one terms.
   double rounding_floor(Vec q) const override;
+  void size_of_diagonal(Mat K, Vec D) const override { get_diagonal(K, D); }
 
   std::vector<std::string> non_potentials() const override;
   Symmetry symmetry() const override;

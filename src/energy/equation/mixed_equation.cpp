@@ -4,6 +4,7 @@
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
+#include "petsc/matrix_parts.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -429,7 +430,7 @@ double MixedEquation::rounding_floor(Vec x) const {
 }
 
 void MixedEquation::size_of_diagonal(Mat A, Vec D) const {
-  check(MatGetDiagonal(A, D));
+  get_diagonal(A, D);
   const ArrayView diagonal(D);
   for (PetscInt i = 0; i < num_p_; ++i) {
     diagonal[num_q_ + i] = std::max(-diagonal[num_q_ + i], pressure_diagonal_[static_cast<std::size_t>(i)]);

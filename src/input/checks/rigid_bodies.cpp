@@ -46,7 +46,7 @@ void check_limits(const JointConfig& joint, Diagnostics& diagnostics) {
 }
 
 /// What the keys of a joint cannot say one by one.
-void check_joint(const JointConfig& joint, bool is_dynamic, Diagnostics& diagnostics) {
+void check_joint(const JointConfig& joint, Diagnostics& diagnostics) {
   if (joint.type == JointType::distance && joint.second_point == joint.point) {
     diagnostics.add(
         joint.where,
@@ -58,14 +58,6 @@ void check_joint(const JointConfig& joint, bool is_dynamic, Diagnostics& diagnos
                     fmt::format("the bearing of joint '{}' needs the radius of its pin: friction in a hinge "
                                 "is a torque, coefficient times radius times load; add 'radius'",
                                 joint.name));
-  }
-  constexpr double rounding_of_start = 1e-9;  // [rad] or [m]
-  const double start = joint.motion && is_dynamic ? (*joint.motion)(0.0, 0.0, 0.0, 0.0) : 0.0;
-  if (std::abs(start) > rounding_of_start) {
-    diagnostics.add(joint.where,
-                    fmt::format("the motion of joint '{}' begins at {:g}, and the bodies at 0: it must be 0 at "
-                                "t = 0",
-                                joint.name, start));
   }
 }
 
@@ -106,7 +98,6 @@ void take_rods(const Config& config, const Take& take, Diagnostics& diagnostics)
 }  // namespace
 
 void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
-  const bool is_dynamic = analysis_of(config) == Analysis::dynamic;
   std::map<std::string, std::string> taken;  // name: what has it
   const auto take = [&](const std::string& name, const char* what, const Location& where) {
     if (name.empty()) return;
@@ -165,7 +156,7 @@ void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
   }
   for (const JointConfig& joint : config.joints) {
     take(joint.name, "joint", joint.where);
-    check_joint(joint, is_dynamic, diagnostics);
+    check_joint(joint, diagnostics);
   }
   for (const TendonConfig& tendon : config.tendons) {
     take(tendon.name, "tendon", tendon.where);

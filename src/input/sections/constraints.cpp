@@ -54,7 +54,7 @@ Section<Rigid> rigid_keys() {
             "rotation about the center; `free`: it follows from the forces; `fixed`: none")
           .otherwise("free"),
       field("center", &Rigid::center, array_of<3>(quantity("m")), "reference position of the center")
-          .otherwise_in_words("the mean of the nodes"),
+          .otherwise_in_words("that of one of `rigid_bodies`, or the mean of the nodes"),
   }};
 }
 

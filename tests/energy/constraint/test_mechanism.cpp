@@ -3,9 +3,11 @@
 #include "energy/solid.hpp"
 #include "fem/selection.hpp"
 #include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
 #include "time/stage.hpp"
 
 #include <cmath>
+#include <eigen3/Eigen/SVD>
 #include <string>
 #include <vector>
 
@@ -185,10 +187,10 @@ class Mechanisms : public ::testing::Test {
         nodes_in_region(solid_.layout(), [=](const Point& x) { return is_first ? x[0] < 0.4 : x[0] > 0.6; });
     return std::make_unique<RigidPart>(solid_.layout(), nodes, RigidMotion{}, FreeRotation::about_all_axes);
   }
-  Mechanism make(std::vector<JointEquation> equations) const {
+  Mechanism make(std::vector<JointEquation> equations, const std::vector<char>& are_held = {0, 0}) const {
     std::vector<std::unique_ptr<RigidPart>> parts;
     for (const bool is_first : {true, false}) parts.push_back(slab(is_first));
-    return {solid_.layout(), std::move(parts), std::move(equations)};
+    return {solid_.layout(), std::move(parts), are_held, std::move(equations)};
   }
   static std::vector<JointEquation> ball(std::array<int, 2> bodies, const Point& at, std::size_t joint) {
     std::vector<JointEquation> equations;
@@ -213,17 +215,20 @@ TEST_F(Mechanisms, CountTheirDegreesOfFreedom) {
 struct StageKind {
   Rigidity rigidity;
   double end_weight;
+  bool is_held;  // the first part
 };
 
 // Columns are the derivatives of displacements, and curvatures those of the work of forces along virtual ones.
 TEST_F(Mechanisms, HaveExactDerivatives) {
-  for (const StageKind kind : {StageKind{Rigidity::of_configurations, 0.0}, StageKind{Rigidity::of_accelerations, 0.0},
-                               StageKind{Rigidity::of_accelerations, 1.3}}) {
+  for (const StageKind kind :
+       {StageKind{Rigidity::of_configurations, 0.0, false}, StageKind{Rigidity::of_accelerations, 0.0, false},
+        StageKind{Rigidity::of_accelerations, 1.3, false}, StageKind{Rigidity::of_configurations, 0.0, true},
+        StageKind{Rigidity::of_accelerations, 1.3, true}}) {
     auto equations = ball({ground, 0}, {0.0, 0.5, 0.5}, 0);
     equations.push_back({Turn{unit_vector(0), unit_vector(1), Expression("0.3*t")}, {ground, 0}, 0});
     equations.push_back({Distance{{0.2, 0.1, 0.3}, {0.9, 0.8, 0.4}, 1.0, Expression("0.05*t")}, {0, 1}, 1});
     equations.push_back({Perpendicularity{unit_vector(0), {0.0, 0.6, 0.8}}, {0, 1}, 2});
-    Mechanism mechanism = make(std::move(equations));
+    Mechanism mechanism = make(std::move(equations), {static_cast<char>(kind.is_held), 0});
     mechanism.set_rigidity(kind.rigidity);
     const auto q = solid_.vector([](const Point& x) { return 0.02 * test::strained(x); });
     const auto v = solid_.vector([](const Point& x) { return 0.2 * test::strained(x); });
@@ -247,6 +252,12 @@ TEST_F(Mechanisms, HaveExactDerivatives) {
       }
       return sum;
     };
+    {
+      const Handle<Vec> there = make_vector(solid_.layout());
+      mechanism.put_displacements(y, there.get());
+      const auto found = mechanism.nearest_unknowns(there.get());
+      for (std::size_t k = 0; k < n && kind.end_weight == 0.0; ++k) EXPECT_NEAR(found[k], y[k], 1e-12) << k;
+    }
     constexpr double h = 1e-4;
     const auto curvature = mechanism.curvature(y, f.get());
     for (std::size_t l = 0; l < n; ++l) {
@@ -269,6 +280,54 @@ TEST_F(Mechanisms, HaveExactDerivatives) {
       for (std::size_t k = 0; k < n; ++k) {
         EXPECT_NEAR(curvature[n * k + l], (work(more, k) - work(less, k)) / (2.0 * h), 1e-5) << k << " " << l;
       }
+    }
+  }
+}
+
+// A body that hangs on a hinge turns by a finite angle, and the one that carries the hinge stays where it is, if soft
+// bodies hold it.
+TEST_F(Mechanisms, LeaveHeldPartsWhereTheyAre) {
+  for (const bool is_held : {false, true}) {
+    auto equations = ball({0, 1}, {0.5, 0.5, 0.5}, 0);
+    for (const std::size_t e : {0, 2})
+      equations.push_back({Perpendicularity{unit_vector(1), unit_vector(e)}, {0, 1}, 0});
+    Mechanism mechanism = make(std::move(equations), {static_cast<char>(is_held), 0});
+    const Handle<Vec> q = make_vector(solid_.layout());
+    StagePoint stage;
+    stage.time = stage.dt = 0.05;
+    mechanism.begin_stage(stage, q.get());
+    const std::size_t n = mechanism.num_degrees_of_freedom();
+    ASSERT_EQ(n, 7u);
+    const std::unique_ptr<RigidPart> first = slab(true);
+    const std::span<const PetscInt> nodes = first->nodes();
+    std::vector<double> rows;  // of the first body's displacements, by all unknowns
+    std::vector<Vector3<double>> columns(n);
+    for (const PetscInt a : nodes) {
+      mechanism.put_columns(std::vector<double>(n, 0.0), a, columns);
+      for (std::size_t i = 0; i < 3; ++i) {
+        for (const auto& column : columns) rows.push_back(column[i]);
+      }
+    }
+    const std::vector<double> all = gathered(comm, rows);
+    const auto width = static_cast<Eigen::Index>(n);
+    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> moved(
+        all.data(), static_cast<Eigen::Index>(all.size()) / width, width);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(moved, Eigen::ComputeFullV);
+    const Eigen::VectorXd swing = 0.3 * svd.matrixV().col(width - 1);
+    const std::vector<double> y(swing.begin(), swing.end());
+    ASSERT_LT(svd.singularValues()[width - 1], 1e-12);
+    EXPECT_GT(mechanism.rotation(y), 0.2);
+    mechanism.put_displacements(y, q.get());
+    const ConstArrayView u(q.get());
+    double largest = 0.0;
+    for (const PetscInt a : nodes) {
+      for (PetscInt i = 0; i < 3; ++i) largest = std::max(largest, std::abs(u[3 * a + i]));
+    }
+    largest = maximum(comm, largest);
+    if (is_held) {
+      EXPECT_LT(largest, 1e-5);
+    } else {
+      EXPECT_GT(largest, 1e-3);
     }
   }
 }

@@ -116,7 +116,7 @@ TiedSpec mechanism_turned_by(const std::string& angle, int order) {
     equations.push_back({Perpendicularity{axis, e}, {0, 1}, 1});
     equations.push_back({Travel{{0.5, 0.4, 0.2}, f, Expression("0.02*t")}, {0, 1}, 1});
     equations.push_back({Distance{{0.2, 0.1, 0.3}, {0.9, 0.8, 0.4}, 1.0, Expression("0.05*t")}, {0, 1}, 2});
-    return std::make_unique<Mechanism>(layout, std::move(parts), std::move(equations));
+    return std::make_unique<Mechanism>(layout, std::move(parts), std::vector<char>{1, 0}, std::move(equations));
   };
   return spec;
 }

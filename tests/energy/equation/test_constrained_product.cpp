@@ -1,6 +1,7 @@
 // The product with matrices close to the identity, against that of the whole matrices.
 #include "energy/constraint/sparse_rows.hpp"
 #include "energy/equation/constrained_product.hpp"
+#include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 
 #include <cmath>
@@ -81,7 +82,7 @@ class ConstrainedProducts : public ::testing::Test {
 TEST_F(ConstrainedProducts, AreThoseOfTheWholeMatrices) {
   const auto A = band(1.0), other = band(-0.3), J = map(1.0), W = map(0.7);
   for (const Mat test : {W.get(), J.get()}) {
-    ConstrainedProduct product(A.get(), test, J.get(), tied());
+    ConstrainedProduct product(A.get(), test, J.get(), tied(), {});
     const Handle<Mat> K = product.make();
     for (const Mat now : {A.get(), other.get(), A.get()}) {
       product.set(now, K.get());
@@ -92,12 +93,37 @@ TEST_F(ConstrainedProducts, AreThoseOfTheWholeMatrices) {
 
 TEST_F(ConstrainedProducts, FollowTheValuesOfTheMaps) {
   const auto A = band(1.0), J = map(1.0), W = map(0.7), wider = map(1.9);
-  ConstrainedProduct product(A.get(), W.get(), J.get(), tied());
+  ConstrainedProduct product(A.get(), W.get(), J.get(), tied(), {});
   const Handle<Mat> K = product.make();
   product.set(A.get(), K.get());
   check(MatCopy(wider.get(), J.get(), SAME_NONZERO_PATTERN));
   product.set(A.get(), K.get());
   EXPECT_LT(difference(A.get(), W.get(), J.get(), K.get()), 1e-15);
+}
+
+TEST_F(ConstrainedProducts, HaveTheMeanOfOtherDiagonalEntriesAtSlaves) {
+  const auto A = band(1.0), J = map(1.0);
+  ConstrainedProduct free(A.get(), J.get(), J.get(), tied(), {}), product(A.get(), J.get(), J.get(), tied(), tied());
+  const Handle<Mat> without = free.make(), K = product.make();
+  free.set(A.get(), without.get());
+  Handle<Vec> diagonal, expected;
+  check(MatCreateVecs(K.get(), diagonal.out(), expected.out()));
+  check(MatGetDiagonal(without.get(), expected.get()));
+  PetscReal sum = 0.0;
+  check(VecNorm(expected.get(), NORM_1, &sum));
+  const double mean = sum / (size_ * (num_mine - 2));
+  const ArrayView entries(expected.get());
+  for (PetscInt i = 0; i < num_mine; ++i) {
+    if (!is_tied(i)) continue;
+    EXPECT_EQ(entries[i], 0.0);
+    entries[i] = mean;
+  }
+  for (int round = 0; round < 2; ++round) {
+    product.set(A.get(), K.get());
+    get_diagonal(K.get(), diagonal.get());
+    const ConstArrayView found(diagonal.get());
+    for (PetscInt i = 0; i < num_mine; ++i) EXPECT_NEAR(found[i], entries[i], 1e-14 * mean);
+  }
 }
 
 }  // namespace
