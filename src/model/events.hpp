@@ -22,6 +22,7 @@ std::vector<DrivingFormula> driving_formulas(const Config& config);
 struct ReplaceableFormula {
   Expression* formula = nullptr;
   DrivingFormula::Kind kind = DrivingFormula::Kind::force;
+  bool is_of_joint = false;
 };
 std::vector<ReplaceableFormula> replaceable_formulas(Config& config);
 

@@ -121,7 +121,17 @@ void DrivenSimulation::write_frame() {
   if (std::exchange(last_frame_, record().step) != record().step) recorder_->write_frame(record());
 }
 
+void DrivenSimulation::follow_joints() {
+  if (simulation_->analysis() != Analysis::dynamic) return;
+  simulation_->restart();
+}
+
 void DrivenSimulation::advance(const std::function<void(const std::string&)>& warn) {
+  constexpr double rounding = 1e-9;  // relative to a step
+  if (record().time >= end_of_joint_motion_ - rounding * record().dt) {
+    end_of_joint_motion_ = infinity;
+    follow_joints();
+  }
   MixedEquation* const mixed = model_->mixed_equation();
   const auto keep_pressures = [&](Archive& archive) {
     if (mixed != nullptr) mixed->keep(archive);
@@ -196,6 +206,9 @@ void DrivenSimulation::set(const std::vector<Override>& changes) {
   changes_ = std::move(all);
   given_ = std::move(wanted);
   if (!changed.empty()) simulation_->take_changes();
+  if (std::ranges::none_of(changed, [&](std::size_t k) { return formulas_[k].is_of_joint; })) return;
+  end_of_joint_motion_ = finished() ? infinity : next_step().time;
+  follow_joints();
 }
 
 const DrivenSurface& DrivenSimulation::surface(const std::string& name) const {
@@ -298,6 +311,7 @@ DrivenSimulation::Saved DrivenSimulation::save() {
   state->forces = applied_;
   state->paths = model_->constraints().prescribed().paths();
   state->values = values_;
+  state->end_of_joint_motion = end_of_joint_motion_;
   state->schedule = schedule_;
   state->last_frame = last_frame_;
   simulation_->forget();
@@ -318,6 +332,7 @@ void DrivenSimulation::restore(const Saved& saved) {
   saved->kept.restore([this](Archive& archive) { keep(archive); });
   simulation_->forget();
   values_ = saved->values;
+  end_of_joint_motion_ = saved->end_of_joint_motion;
   schedule_ = saved->schedule;
   last_frame_ = saved->last_frame;
   if (!recorder_) return;

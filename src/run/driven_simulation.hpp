@@ -2,6 +2,7 @@
 /// them, exchanges forces and displacements on surfaces, and returns to earlier states.
 #pragma once
 
+#include "base/limits.hpp"
 #include "energy/load/nodal_forces.hpp"
 #include "input/input.hpp"
 #include "model/events.hpp"
@@ -107,6 +108,7 @@ class DrivenSimulation {
     std::map<std::string, std::vector<double>> forces;
     std::map<PetscInt, PrescribedDisplacement::Path> paths;
     std::vector<double> values;
+    double end_of_joint_motion;
     std::optional<FrameSchedule> schedule;
     std::int64_t last_frame = 0;
   };
@@ -118,6 +120,8 @@ class DrivenSimulation {
   void sum_forces();
   /// The numbers of the formulas that differ in another input. Throws InputError if anything else does.
   std::vector<std::size_t> changed_formulas(Config& wanted, const Location& where);
+  /// Velocities of joints jump where a motion that was set for them begins or ends.
+  void follow_joints();
   /// What a formula is replaced by.
   Expression replacement(std::size_t k, const Expression& by) const;
 
@@ -135,6 +139,7 @@ class DrivenSimulation {
   NodalForces* forces_ = nullptr;
   std::optional<Model> model_;
   std::optional<Simulation> simulation_;
+  double end_of_joint_motion_ = infinity;  // of motions that were set for joints [s]; infinity: there are none
   std::vector<double> values_;
   std::optional<HistoryRow> row_;  // without files
   std::optional<OutputDirectory> directory_;

@@ -117,6 +117,8 @@ class Simulation {
   /// Keeps all data on which the following steps depend. After restoring, a changed step and end in `config` take
   /// effect.
   void keep(Archive& archive);
+  /// Velocities may jump here, as prescribed motion does: the next step starts anew from those that are allowed.
+  void restart();
   /// Forgets data that only make the following steps faster. These are then identical, to the last bit on the same
   /// ranks, to the steps after restoring the state kept now.
   void forget() { advance_->forget(); }
@@ -144,7 +146,6 @@ class Simulation {
   bool ends_inside_out(const StepAttempt& attempt);
   StepOutcome reject(const StepAttempt& attempt, const Step& step);
   void accept(const StepAttempt& attempt, const Step& step);
-  void restart();
   /// Measures `contact` of the state in `q_`, and updates its ghosts.
   void measure_contact();
   /// Whether the next step would amplify an impact in this step, which was accepted.

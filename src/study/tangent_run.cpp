@@ -23,6 +23,8 @@ constexpr double relative_residual = 1e-6;
 /// They are solved again for what is left until it moves the solution by no more than this part of the first time.
 constexpr int most_rounds = 8;
 constexpr double settled = 1e-8, nearly_settled = 1e-4;
+/// Differences of residuals below this many times the floor of one may be rounding.
+constexpr double noise = 1e3;
 /// Along which part of the change that the matrix alone would make the first differences are taken.
 constexpr double cautious = 0.01;
 
@@ -219,14 +221,18 @@ bool TangentRun::solve(Pair& pair, TangentSystem& system, const StageTangent& st
     if (norm(change_.get()) == 0.0) return true;
     // Without what the matrix leaves out the change may be far too large.
     if (round <= 1) size = round == 0 ? cautious * norm(change_.get()) : first;
-    const bool needs_more = !is_rounding;
-    if (needs_more && !solve_for_whole(pair, stage.coefficients_follow, system, size)) return false;
+    bool needs_more = !is_rounding;
+    if (needs_more && !solve_for_whole(pair, stage.coefficients_follow, system, size)) {
+      // Where the number has next to no influence, the difference is all rounding, and no system resolves it.
+      if (norm(r_.get()) > noise * stage.floor || !system.solve(r_.get(), change_.get())) return false;
+      needs_more = false;
+    }
     pair.move(change_.get());
     last = norm(change_.get());
     if (round == 0) first = last;
     if (!needs_more || last <= settled * first) return true;
   }
-  return last <= nearly_settled * first;
+  return last <= nearly_settled * first || norm(r_.get()) <= noise * stage.floor;
 }
 
 bool TangentRun::solve_for_whole(Pair& pair, bool coefficients_follow, TangentSystem& system, double size) {

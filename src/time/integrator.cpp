@@ -49,7 +49,10 @@ Stepper& Integrator::begin(const Step& step) & {
 StepAttempt Integrator::attempt(const Step& step) & {
   Stepper& stepper = choose(step);
   StepAttempt attempt = stepper.attempt(history_, step);
-  if (error_ && attempt.report.outcome == StageOutcome::converged) error_->estimate(history_, stepper, attempt);
+  if (error_ && attempt.report.outcome == StageOutcome::converged) {
+    error_->estimate(history_, stepper, attempt);
+    if (attempt.error_v != nullptr) motion_.project_error(attempt.q, attempt.error_v);
+  }
   return attempt;
 }
 

@@ -60,6 +60,10 @@ struct PrescribedMotion {
   /// step.time that the motion prescribed from there on allows. `step.dt`: the motion is smooth over this time.
   /// Collective.
   std::function<void(const Step& step, Vec q, Vec v)> restart = [](const Step&, Vec, Vec) {};
+  /// Removes from e, an estimated error of v at the end of a step at q, what the motion does not allow: the
+  /// acceleration of a last stage that takes the configuration back to constraints has an error of lower order along
+  /// their forces. Collective.
+  std::function<void(Vec q, Vec e)> project_error = [](Vec, Vec) {};
 };
 
 /// Internal variables of the material, in y next to q and v: each obeys an ordinary differential equation of its

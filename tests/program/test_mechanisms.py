@@ -214,6 +214,35 @@ joints: [{name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], a
             self.assertLess(turned.max(), 4.05)
             self.assertGreater(turned.max(), 4)
 
+        with self.subTest("over to the other stop"):
+            self.write("over.yaml", """rigid_bodies: [{name: wheel, mass: 1, inertia: [0.1, 0.1, 0.1], center: [0, 0, 0], angular_velocity: [0, 0, 10]}]
+joints: [{name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], axis: [0, 0, 1], limits: [-3.1, 3.1]}]
+time: {method: dirk33, step: 5 ms, end: 1}
+""")
+            told = self.pliant("run", "over.yaml", "--quiet", status=3).stderr
+            self.assertIn("joint 'axle' has been pushed from one of its stops over to the other", told)
+
+    def test_adaptive_steps_are_as_long_as_the_tolerance_allows(self):
+        swing = """rigid_bodies: [{name: bob, mass: 1, inertia: [0.01, 0.01, 0.01], center: [1, 0, 0]}]
+joints: [{name: pivot, type: hinge, between: [ground, bob], point: [0, 0, 0], axis: [0, 0, 1]}]
+loads: [{gravity: [0, -9.81, 0]}]
+"""
+        exact = self.solve(swing, "method: dirk33, step: 1 ms, end: 0.5")["pivot_angle"][-1]
+        for method, most_steps in swept({"bdf2": 100, "bdf3": 50, "dirk22": 80, "dirk33": 30}.items(), {"bdf2": 100, "dirk22": 80}.items()):
+            with self.subTest(method):
+                h = self.solve(swing, f"method: {method}, step: 10 ms, end: 0.5, adaptive: {{relative: 1e-3}}")
+                self.assertLess(abs(h["pivot_angle"][-1] - exact), 2e-3)
+                self.assertLess(len(h["time"]), most_steps)
+
+    def test_joints_that_nothing_moves_do_no_work(self):
+        h = self.solve("""rigid_bodies: [{name: wheel, mass: 2, inertia: [0.1, 0.1, 0.1], center: [0, 0, 0], angular_velocity: [0, 0, 30]}]
+joints: [{name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], axis: [0, 0, 1]}]
+""", "method: backward-euler, step: 5 ms, end: 0.05")
+        lost = h["kinetic_energy"][0] - h["kinetic_energy"][-1]
+        self.assertGreater(lost, 1)
+        np.testing.assert_allclose(h["numerical_dissipation"][-1], lost, rtol=1e-9)
+        self.assertEqual(np.abs(h["load_work"]).max(), 0)
+
     def test_friction(self):
         wheel = """rigid_bodies: [{name: wheel, mass: 1, inertia: [0.1, 0.1, 0.05], center: [0, 0, 0], angular_velocity: [0, 0, 3]}]
 joints: [{name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], axis: [0, 0, 1], friction: 0.2}]
@@ -472,6 +501,36 @@ loads: [{{gravity: [0.1, 0, -9.81]}}]
                 self.assertAlmostEqual(h["link_x"][-1] * 9.81, -h["link_z"][-1] * 0.1, delta=1e-6)
                 self.assertLess(h["link_z"][-1], 0)
 
+    def test_a_static_search_does_not_stop_at_a_stiff_body(self):
+        # The link turns by a quarter turn on a hinge that an elastic block carries, soft or as stiff as steel.
+        self.write("block.geo", 'SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 0.1, 0.1, 0.1};\nMeshSize{ PointsOf{ Volume{1}; } } = 0.1;\n'
+                   'Physical Volume("block") = {1};\nPhysical Surface("foot") = {1};\nPhysical Surface("top") = {2};\n')
+        for modulus, held in itertools.product((3e5, 2e11), ("attached", "coupled")):
+            with self.subTest(modulus=modulus, held=held):
+                h = self.solve(f"""mesh: {{file: block.geo}}
+bodies: [{{volume: block, density: 1000, elasticity: {{model: neo-hookean, youngs_modulus: {modulus}, poissons_ratio: 0.3}}}}]
+constraints: [{{surface: foot, displacement: [0, 0, 0]}}]
+rigid_bodies:
+  - {{name: hub, center: [0.1, 0.05, 0.05], {held}: [top]}}
+  - {{name: arm, mass: 0.3, inertia: [1e-4, 5e-4, 6e-4], center: [0.2, 0.05, 0.05]}}
+joints: [{{name: hinge, type: hinge, between: [hub, arm], point: [0.12, 0.05, 0.05], axis: [0, 1, 0]}}]
+loads: [{{gravity: [0, 0, -9.81]}}]
+""", "method: static")
+                self.assertAlmostEqual(abs(h["hinge_angle"][-1]), np.pi / 2, delta=0.3 if modulus < 1e6 else 1e-3)
+                self.assertLess(h["newton_iterations"].sum(), 40)
+
+    def test_a_given_motion_is_that_of_the_center(self):
+        self.write("bar.geo", 'SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 0.2, 0.05, 0.05};\nMeshSize{ PointsOf{ Volume{1}; } } = 0.05;\n'
+                   'Physical Volume("bar") = {1};\nPhysical Surface("left") = {1};\nPhysical Surface("right") = {2};\n')
+        h = self.solve("""mesh: {file: bar.geo}
+bodies: [{volume: bar, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 3e5, poissons_ratio: 0.3}}]
+rigid_bodies: [{name: hub, center: [0.25, 0.02, 0.03], attached: [right]}]
+constraints:
+  - {surface: left, displacement: [0, 0, 0]}
+  - {volume: hub, rigid: {translation: [0.01, 0, 0], rotation: {axis: [1, 0, 0], angle: 60 deg}}}
+""", "method: static, load_steps: 2")
+        np.testing.assert_allclose([h[f"hub_{i}"][-1] for i in "xyz"], [0.26, 0.02, 0.03], atol=1e-12)
+
     def test_static_analyses_tell_of_free_rotations(self):
         strut = """rigid_bodies:
   - {name: strut, mass: 1, inertia: [1e-3, 1e-2, 1e-2], center: [0.5, 0, 0]}
@@ -614,6 +673,7 @@ joints:
             "is not finite": chain.replace("type: ball", "type: hinge").replace("point: [1, 0, 0], }", 'point: [1, 0, 0], axis: [0, 0, 1], motor: {effort: "1/t"}}'),
             "names what does not move": chain.replace("name: one,", "name: ground,"),
             "has no moment of inertia": chain.replace("inertia: [0.02, 0.03, 0.04, 0.005, 0, 0.002]", "inertia: [0, 0, 0]"),
+            "whose rotation is lost in rounding errors": chain.replace("inertia: [0.02, 0.03, 0.04, 0.005, 0, 0.002]", "inertia: [1e-20, 1e-20, 1e-20]"),
             "no surface that could touch": chain + "contact: {law: barrier, pairs: all}\n",
             "full turn apart": chain.replace("type: ball", "type: hinge").replace("point: [1, 0, 0], }", 'point: [1, 0, 0], axis: [0, 0, 1], limits: [-180, 180]}'),
             "outside of its limits": chain.replace("type: ball", "type: slider").replace("point: [1, 0, 0], }", 'point: [1, 0, 0], axis: [0, 0, 1], limits: [1, 2]}'),

@@ -161,6 +161,23 @@ solver: {newton: {relative: 1.0e-13}}
         for key, value in alone.items():
             np.testing.assert_allclose(together[key], value, rtol=1e-6, atol=5e-11 / numbers[key[1]])
 
+    def test_numbers_without_influence(self):
+        # Far below its limit a motor does not depend on it: the differences are rounding, and no reason to give up.
+        self.write("bar.geo", 'SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 0.2, 0.05, 0.05};\nMeshSize{ PointsOf{ Volume{1}; } } = 0.05;\n'
+                   'Physical Volume("bar") = {1};\nPhysical Surface("right") = {2};\n')
+        self.write("in.yaml", """mesh: {file: bar.geo}
+bodies: [{volume: bar, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 3e5, poissons_ratio: 0.3}}]
+rigid_bodies:
+  - {name: hub, mass: 0.2, inertia: [1e-4, 2e-4, 3e-4], center: [0.23, 0.025, 0.025], coupled: [right]}
+  - {name: wheel, mass: 0.3, inertia: [1e-4, 2e-4, 3e-4], center: [0.3, 0.025, 0.025]}
+joints: [{name: axle, type: hinge, between: [hub, wheel], point: [0.25, 0.025, 0.025], axis: [0, 1, 0], motor: {target: t, stiffness: 0.1, limit: 0.2}}]
+loads: [{gravity: [0, 0, -9.81]}]
+time: {method: dirk22, step: 2 ms, end: 0.01}
+""")
+        limit, stiffness = "joints.axle.motor.limit", "joints.axle.motor.stiffness"
+        found = self.sensitivities("in.yaml", ["axle_angle"], [limit, stiffness])
+        self.assertLess(abs(found["axle_angle", limit]), 1e-3 * abs(found["axle_angle", stiffness]))
+
     def test_files_and_table(self):
         file = self.block()
         done = self.call("sensitivity", file, "--of", "corner_x,px", "--to", "bodies.0.density", "--output", "tangent")

@@ -278,6 +278,25 @@ constraints: [{surface: left, displacement: [0, 0, 0]}, {surface: bottom, displa
             scale = max(abs(expected[other]).max() for other in expected if other.rstrip("xyz") == kind)
             self.assertLessEqual(abs(row[name] - expected[name][-1]), 1e-6 * scale + 1e-10, name)
 
+    def test_numbers_for_the_motion_of_a_joint(self):
+        # A turn at constant velocity: what brings it to that is an impulse, whose work is the kinetic energy.
+        for method in ("bdf2", "dirk33", "implicit-midpoint"):
+            with self.subTest(method), pliant.Simulation(f"""rigid_bodies: [{{name: wheel, mass: 2, inertia: [0.1, 0.1, 0.1], center: [0.5, 0, 0]}}]
+joints: [{{name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], axis: [0, 0, 1], motion: 0}}]
+time: {{method: {method}, step: 10 ms, end: 0.1}}
+""") as sim:
+                sim.advance()
+                for k in range(1, 6):
+                    sim.set("joints.axle.motion", 0.1 * k)
+                    sim.advance()
+                    self.assertAlmostEqual(sim.get("axle_angle"), 0.1 * k, delta=1e-12)
+                    self.assertLess(abs(sim.get("axle_tz")), 5)
+                self.assertAlmostEqual(sim.get("kinetic_energy"), 30, delta=1e-6)
+                self.assertAlmostEqual(sim.get("support_work"), 30, delta=0.6)
+                sim.advance()
+                self.assertLess(sim.get("kinetic_energy"), 1e-6)
+                self.assertAlmostEqual(sim.get("axle_angle"), 0.5, delta=1e-12)
+
     def test_balance_of_energy_when_a_constant_load_changes(self):
         with pliant.Simulation(FALLING + BDF2) as sim:
             for k in range(5):

@@ -112,6 +112,18 @@ class Tendons(ProgramTest):
         self.assertEqual(h["cord_tension"][5], 0)
         self.assertGreater(h["cord_tension"].max(), 10)
 
+    def test_a_string_does_not_push(self):
+        self.write("push.yaml", """rigid_bodies: [{name: cart, mass: 1, inertia: [1, 1, 1], center: [1, 0, 0]}]
+joints: [{name: rail, type: slider, between: [ground, cart], point: [1, 0, 0], axis: [1, 0, 0]}]
+tendons: [{name: cord, points: [{body: ground, point: [0, 0, 0]}, {body: cart, point: [1, 0, 0]}], tension: "-100*t"}]
+time: {method: dirk33, step: 10 ms, end: 0.1}
+""")
+        told = self.pliant("run", "push.yaml", "--quiet").stderr
+        self.assertEqual(told.count("a string does not push: it is slack"), 1, told)
+        h = read_history(self.directory / "out/push")
+        self.assertEqual(np.abs(h["rail_travel"]).max(), 0)
+        self.assertEqual(np.abs(h["cord_tension"]).max(), 0)
+
     def test_friction_is_that_of_a_capstan(self):
         ratio = np.exp(0.3 * np.pi)
         # Pulled at 10 mm/s, then let go: the tension at the far end is smaller by the ratio, and then larger.

@@ -207,6 +207,13 @@ void ConstraintMap::keep_free_motion_of_dependents(Vec v) const {
   for (const auto& dependent : dependents_) dependent->subtract_given(v);
 }
 
+void ConstraintMap::clear_dependents(Vec v) const {
+  const ArrayView entries(v);
+  for (const auto& dependent : dependents_) {
+    for (const PetscInt a : dependent->nodes()) std::fill_n(entries.span().begin() + 3 * a, 3, 0.0);
+  }
+}
+
 void ConstraintMap::add_curvature(Vec y, Vec f, Mat K, const std::function<PetscInt(PetscInt)>& place) const {
   if (is_linear()) return;
   PetscInt first = 0, last = 0;

@@ -86,6 +86,9 @@ class ConstraintMap {
   /// w = the rates of the unknowns at rest whose velocities are closest to v.
   void restrict_rates(Vec v, Vec w) const;
 
+  /// v = 0 at dependent nodes. Not collective.
+  void clear_dependents(Vec v) const;
+
   /// One flag per owned entry: whether the entry of y has no meaning. Not collective.
   const std::vector<char>& is_slave() const { return is_slave_; }
   /// One flag per owned entry: whether it is of a dependent node whose constraint does no work. Not collective.

@@ -67,6 +67,11 @@ PrescribedMotion with_projected_velocities(PrescribedMotion motion, const Constr
       complete(step, q, v);
       of_parts != nullptr ? (*of_parts)(q, wanted->get(), v) : (*of_all)(q, wanted->get(), v, Scope::dependents);
     };
+    motion.project_error = [wanted, of_parts, of_all, map = bodies.map](Vec q, Vec e) {
+      check(VecCopy(e, wanted->get()));
+      map->clear_dependents(e);
+      of_parts != nullptr ? (*of_parts)(q, wanted->get(), e) : (*of_all)(q, wanted->get(), e, Scope::dependents);
+    };
   }
   motion.restart = [wanted, bodies, restart = std::move(motion.restart)](const Step& step, Vec q, Vec v) {
     check(VecCopy(v, wanted->get()));
