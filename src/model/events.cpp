@@ -154,7 +154,7 @@ std::vector<ReplaceableFormula> replaceable_formulas(Config& config) {
     if (std::ranges::any_of(config.cavities, is_flow)) continue;
     const bool is_of_joint = std::ranges::any_of(
         config.joints, [&](const JointConfig& joint) { return joint.motion && &*joint.motion == driving.formula; });
-    // Of this config, which may change.
+    // A part of this config, which may change.
     result.push_back({const_cast<Expression*>(driving.formula), driving.kind, is_of_joint});
   }
   return result;

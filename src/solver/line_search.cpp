@@ -85,7 +85,7 @@ LineOutcome LineSearch::lower_residual(SearchLine& line, const LineStart& start,
     // With or without a potential, the slope at the end shows whether the step went too far along the direction.
     const bool is_too_long = slope < 0.0 && after.slope > -overshoot * slope;
     is_beyond = is_beyond || is_too_long;
-    if (went_beyond_ && is_too_long) {
+    if ((went_beyond_ || demand == Demand::descent) && is_too_long) {
       ++outcome.backtracks;
       alpha *= slope / (slope - after.slope);
       continue;
@@ -93,7 +93,7 @@ LineOutcome LineSearch::lower_residual(SearchLine& line, const LineStart& start,
     const bool falls = line.merit() <= std::pow(1.0 - required_part * length, 2) * start.measure;
     const bool is_possible = std::isfinite(after.norm) && line.is_admissible();
     bool is_accepted =
-        is_possible && (demand == Demand::none || falls || after.norm <= rounding_safety * start.residual_rounding);
+        is_possible && (demand != Demand::decrease || falls || after.norm <= rounding_safety * start.residual_rounding);
     if (!is_accepted && is_possible) {
       is_accepted = shortens_correction(line, alpha);
     } else {

@@ -83,7 +83,8 @@ class LineSearch {
   /// Which residuals a search on the residual accepts.
   enum class Demand {
     decrease,  ///< those that decrease in one of the measures
-    none       ///< any finite residual: whole steps
+    none,      ///< any finite residual: whole steps
+    descent    ///< those up to where the forces along the line, r . d, vanish, or not far beyond: their work is done
   };
 
   /// Begins a run of Newton's method.

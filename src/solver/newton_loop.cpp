@@ -81,7 +81,8 @@ void NewtonLoop::linearize(Vec q) {
   using enum LinearSystem::Remedy;
   const bool hovers = num_projecting_ >= most_projecting;
   const bool projects = goes_on_projecting() && !hovers;
-  if (!projects) system_.assemble(q);
+  const bool descends = objective_.aim() == Aim::descent;
+  if (!projects) system_.assemble(q, descends ? Projection::positive_semidefinite : Projection::none);
   if (adapts_tolerance_) set_tolerance();
   objective_.scale_merit(system_.sparse_matrix());
   const bool is_prepared = projects ? system_.prepare_with_projected_walls(q)
@@ -115,11 +116,14 @@ void NewtonLoop::search(SNESLineSearch search) {
 bool NewtonLoop::go_along(Vec q, Vec r, Vec y, SNESLineSearch search) {
   const double slope = -dot(r, y);
   // Whether a merit decreases along the direction is found by trying.
-  if (!std::isfinite(slope) || (objective_.is_minimised() && slope >= 0.0)) return false;
+  const bool descends = objective_.is_minimised() || objective_.aim() == Aim::descent;
+  if (!std::isfinite(slope) || (descends && slope >= 0.0)) return false;
   Vec trial = nullptr;
   check(SNESLineSearchGetVecs(search, nullptr, nullptr, nullptr, &trial, nullptr));
   const LineStart start = line_.lay(q, r, y, trial, value_);
-  const auto demand = objective_.aim() == Aim::whole_steps ? LineSearch::Demand::none : LineSearch::Demand::decrease;
+  const auto demand = objective_.aim() == Aim::whole_steps ? LineSearch::Demand::none
+                      : objective_.aim() == Aim::descent   ? LineSearch::Demand::descent
+                                                           : LineSearch::Demand::decrease;
   const LineOutcome outcome = objective_.is_minimised() ? line_search_.lower_potential(line_, start)
                                                         : line_search_.lower_residual(line_, start, demand);
   statistics_.backtracks += outcome.backtracks;

@@ -14,6 +14,7 @@ enum class Aim {
   minimum,         ///< of the potential
   root,            ///< of the residual, by steps that lower a merit function of it
   whole_steps,     ///< of the residual, by whole steps whether or not they lower it
+  descent,         ///< the same, by steps along which the forces do work, with projected Hessians
   any_equilibrium  ///< a root of the gradient of a potential, whatever the signs of the Hessian's eigenvalues
 };
 

@@ -8,15 +8,20 @@
 
 namespace pliant {
 
-/// Several runs of Newton's iteration on a residual, of two kinds.
+/// Several runs of Newton's iteration on a residual, of three kinds.
 ///
 /// - Damped steps, each of which lowers a merit of the residual.
 /// - Whole steps, as many as it takes if they converge at all. A whole step may stretch a thin body until its forces
 ///   are many times those that act on it. The stresses extrapolated along the step are nevertheless close to
 ///   equilibrium, and the next step removes the stretch; a line search that measures residuals would reject both.
 ///
+/// - Steps of descent, for residuals that are almost gradients: of rigid parts in contact, for instance. With a Hessian
+///   that is positive definite, the forces do work along them; they end where that work is done, as if there were a
+///   potential. Merits of residuals have minima that are no solutions where barriers begin to act.
+///
 /// A stage without inertia begins with whole steps. One with inertia begins with damped steps, or with the kind that
-/// solved the last stage. Each kind gets a few iterations from the guess, and damped steps the rest of them.
+/// solved the last stage. Damped and whole steps get a few iterations from the guess. Then a few of descent and damped
+/// ones take turns, and at last there are damped ones.
 ///
 /// Invariant: what was learned from earlier stages is the kind of steps, which `forget` clears.
 class RootSearch {
@@ -27,12 +32,14 @@ class RootSearch {
   /// Solves the stage from the guess in q. On return the aim of the objective is the usual one. Collective.
   StageReport seek(Vec q, int max_iterations);
 
-  void forget() { prefers_whole_steps_ = false; }
+  void forget() { preferred_ = Aim::root; }
 
  private:
+  class Runs;
+
   Objective& objective_;
   Iteration& iteration_;
-  bool prefers_whole_steps_ = false;
+  Aim preferred_ = Aim::root;
 };
 
 }  // namespace pliant

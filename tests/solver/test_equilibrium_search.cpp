@@ -1,5 +1,6 @@
 // What is tried in which order without inertia, on a scripted iteration.
 #include "solver/equilibrium.hpp"
+#include "solver/scripted_iteration.hpp"
 #include "solver/small_equation.hpp"
 
 #include <vector>
@@ -8,6 +9,8 @@
 
 namespace pliant::test_equilibrium_search {
 namespace {
+
+using test::Script;
 
 /// A potential, of which nothing is asked.
 class Flat final : public test::SmallEquation {
@@ -18,45 +21,6 @@ class Flat final : public test::SmallEquation {
   std::vector<std::string> non_potentials() const override { return {}; }
   Symmetry symmetry() const override { return Symmetry::symmetric; }
   bool is_static() const override { return true; }
-};
-
-/// Runs that do what the test says, and what was asked of them.
-class Script final : public Iteration {
- public:
-  struct Run {
-    Aim aim;
-    int limit;
-  };
-  explicit Script(Objective& objective) : objective_(objective) {}
-
-  void begin(Vec, Aim aim) override { objective_.set_aim(aim); }
-  void begin_again(Vec) override {}
-  StageReport run(Vec) override { return {}; }
-  StageReport run(Vec, int limit) override {
-    runs.push_back({objective_.aim(), limit});
-    const bool fails = runs.size() <= failures;
-    return {fails ? StageOutcome::retry : StageOutcome::converged, "", fails ? limit : 3, 2};
-  }
-  bool is_converging() const override { return false; }
-  bool is_stable(Vec /*q*/) override { return finds_minimum; }
-  void renew_factor() override { ++renewed; }
-  double stiffness(Vec) override { return 1.0; }
-  void accept(double residual) override { accepted = residual; }
-
-  std::vector<Aim> aims() const {
-    std::vector<Aim> result;
-    for (const Run& run : runs) result.push_back(run.aim);
-    return result;
-  }
-
-  std::size_t failures = 0;  // of the first runs
-  bool finds_minimum = true;
-  std::vector<Run> runs;
-  int renewed = 0;
-  double accepted = 0.0;
-
- private:
-  Objective& objective_;
 };
 
 class EquilibriumSearches : public ::testing::Test {

@@ -183,6 +183,21 @@ TEST(LineSearch, RefusesWhatTheLinearSolverCannotCorrect) {
   for (std::size_t i = 1; i < f.tried.size(); ++i) EXPECT_NEAR(f.tried[i] / f.tried[i - 1], 0.1, 1e-12);
 }
 
+TEST(LineSearch, DescentEndsWhereTheForcesHaveDoneTheirWork) {
+  // The force along the line grows before it falls: no merit of it does. It vanishes at 2.
+  Function f;
+  f.r = [](double a) { return a < 1.0 ? -1.0 - a : 2.0 * (a - 2.0); };
+  const LineOutcome longer = LineSearch().lower_residual(f, f.on_residual(), Demand::descent);
+  EXPECT_EQ(longer.status, Status::accepted);
+  EXPECT_EQ(longer.length, 1.0);
+  // Beyond that place by far: back to about where it vanishes.
+  f.r = [](double a) { return 10.0 * (a - 0.1); };
+  const LineOutcome shorter = LineSearch().lower_residual(f, f.on_residual(), Demand::descent);
+  EXPECT_EQ(shorter.status, Status::accepted);
+  EXPECT_NEAR(shorter.length, 0.1, 1e-12);
+  EXPECT_EQ(shorter.backtracks, 1);
+}
+
 TEST(LineSearch, WholeStepsNeedOnlyBePossible) {
   Function f = parabola();
   f.r = [](double a) { return -1.0 - 10.0 * a; };
