@@ -28,7 +28,7 @@ Kinematics differentiated(F f, double time, double end) {
 }
 
 bool is_finite(const TimeJet& jet) {
-  return std::isfinite(jet.rate) && std::isfinite(jet.acceleration);
+  return std::isfinite(jet.value) && std::isfinite(jet.rate) && std::isfinite(jet.acceleration);
 }
 
 }  // namespace
@@ -79,6 +79,11 @@ GivenKinematics::GivenKinematics(const GivenDisplacement& given, double time, do
       if (given.rigid->translation[i]) centre_[i] = jet(*given.rigid->translation[i]);
     }
     angle_ = jet(given.rigid->angle);
+    // Where the motion jumps, on the side.
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (is_finite(centre_[i])) placement_.translation[i] = centre_[i].value;
+    }
+    if (is_finite(angle_)) placement_.rotation = exponential(angle_.value * given.rigid->axis);
     return;
   }
   for (std::size_t i = 0; i < 3; ++i) {
@@ -89,10 +94,9 @@ GivenKinematics::GivenKinematics(const GivenDisplacement& given, double time, do
 
 Kinematics GivenKinematics::of_formula(const Expression& formula, const Vector3<double>& X) const {
   const auto& [x, y, z] = X;
-  const double u = factor_ * formula(x, y, z, time_);
-  if (!formula.depends_on_time()) return {u, 0.0, 0.0};
+  if (!formula.depends_on_time()) return {factor_ * formula(x, y, z, time_), 0.0, 0.0};
   const TimeJet jet = formula.derivatives(x, y, z, time_, side_);
-  if (is_finite(jet)) return {u, factor_ * jet.rate, factor_ * jet.acceleration};
+  if (is_finite(jet)) return {factor_ * jet.value, factor_ * jet.rate, factor_ * jet.acceleration};
   return differentiated([&, at_x = x, at_y = y, at_z = z](double t) { return factor_ * formula(at_x, at_y, at_z, t); },
                         time_, end_);
 }

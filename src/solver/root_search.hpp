@@ -17,7 +17,7 @@ namespace pliant {
 ///
 /// - Steps of descent, for residuals that are almost gradients: of rigid parts in contact, for instance. With a Hessian
 ///   that is positive definite, the forces do work along them; they end where that work is done, as if there were a
-///   potential. Merits of residuals have minima that are no solutions where barriers begin to act.
+///   potential. Merits of residuals have minima that do not solve anything where barriers begin to act.
 ///
 /// A stage without inertia begins with whole steps. One with inertia begins with damped steps, or with the kind that
 /// solved the last stage. Damped and whole steps get a few iterations from the guess. Then a few of descent and damped

@@ -94,6 +94,21 @@ class Motion(ProgramTest):
                 self.assertEqual(len(texts), 1)
                 self.assertRegex(texts.pop(), words or "^$")
 
+    def test_a_jump_follows_the_step_that_ends_there(self):
+        # Both ends of the bar carry the same force in every row, and the energy is that of the work: the row of the event
+        # is the equilibrium before the jump.
+        held = "{surface: left, displacement: [0, 0, 0]}"
+        jumps = {"displacement": "{surface: right, displacement: ['t < 0.05 ? 0 : 0.1', free, free]}",
+                 "tie": "{equation: [{surface: right, component: x}], value: 't < 0.05 ? 0 : 0.1'}",
+                 "rigid": "{surface: right, rigid: {translation: ['t < 0.05 ? 0 : 0.1', free, free], rotation: fixed}}",
+                 "turn": "{surface: right, rigid: {translation: [0, 0, 0], rotation: {axis: [1, 0, 0], angle: 't < 0.05 ? 0 : 0.2'}}}"}
+        for name, jump in swept(list(jumps.items()), list(jumps.items())[::2]):
+            with self.subTest(name):
+                h = self.solve([held, jump], "method: quasistatic, step: 20 ms, end: 0.1")
+                self.assertEqual(np.abs(h["elastic_energy"][h["time"] < 0.051]).max(), 0)
+                self.assertGreater(h["elastic_energy"][-1], 10)
+                self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-6 * h["elastic_energy"][-1])
+
     def test_a_short_pulse_is_an_event(self):
         # Of two thousandths of a step, and yet all of its impulse is there.
         self.input(["{surface: bottom, displacement: [free, free, 0]}"], "method: backward-euler, step: 1 ms, end: 20 ms",
