@@ -1,20 +1,13 @@
 // The history as plots that follow the player: a click on one sets its time.
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { handyUnit, short, spelt, typeset } from "./numbers.js";
+import { extent, handyUnit, largest, short, spelt, typeset } from "./numbers.js";
 import { PathPlot, waysOf } from "./path.js";
 
 const COLOURS = ["#4a80c9", "#d9693f", "#43a874", "#9670c6", "#c79a2b", "#4aa5b5", "#bd5a86", "#7d8693"];
 const ENERGIES = ["kinetic_energy", "elastic_energy", "load_potential", "dissipated_energy", "numerical_dissipation", "load_work"];
 
 const styleOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-const span = (values) => {
-  let low = Infinity, high = -Infinity;
-  for (const x of values) if (Number.isFinite(x)) (low = Math.min(low, x)), (high = Math.max(high, x));
-  return high >= low ? [low, high] : [0, 0];
-};
-const largest = (values) => Math.max(...span(values).map(Math.abs));
-const extent = (values) => { const [low, high] = span(values); return high - low; };
 /// Those of the lines that vary by more than rounding, relative to the others.
 function varying(lines) {
   const most = Math.max(0, ...lines.map(([, values]) => Math.max(extent(values), 1e-6 * largest(values))));
