@@ -259,6 +259,18 @@ class Pictures(WithResult):
                                  (("--colour-map", "jet"), "invalid choice"), (("--cut", "y", "-o", "a.glb"), "has no effect on a .glb")):
             self.fails(words, self.directory, *arguments)
 
+    def test_pictures_of_one_result_have_one_range(self):
+        """Whichever frame they show."""
+        bars = []
+        for frame in (0, 1, 2):  # the bar is straight in the first and the last
+            image = Image.open(self.draw("--frame", frame, "--field", "velocity_z", "--no-axes", *SMALL)).convert("RGB")
+            bars.append(np.asarray(image)[60:, 268:])
+        for other in bars[1:]:
+            np.testing.assert_array_equal(other, bars[0])
+        for text in ("", "x=", "0,0,0", "x=1=2", "nan,0,1", "x=nan"):
+            with self.assertRaises(ValueError):
+                plane(text)
+
     def test_values_that_are_not_finite_have_no_part_in_the_range(self):
         with h5py.File(self.path("result.h5"), "r+") as h5:
             for frame in h5["frames"].values():
@@ -410,9 +422,17 @@ class SurfaceOfBlock(WithResult):
                 at_cut = np.abs(cut.heights(x[surface.triangles])).max(axis=1) < 1e-12
                 self.assertTrue(np.isin(mesh.body[surface.cell_of_face[surface.face_of_triangle[at_cut]]], [0, 1]).all())
         self.assertEqual((mirror("y=0.5").offset, mirror("y").offset), (0.5, 0.0))
-        for text in ("", "x=", "0,0,0", "x=1=2", "nan,0,1", "x=nan"):
-            with self.assertRaises(ValueError):
-                plane(text)
+        # With straight sides, quadratic elements have the outlines of linear ones in a section: pieces of them, as the nodes on edges divide them.
+        lengths = []
+        for order in (1, 2):
+            mesh = Result(self.path(f"order{order}"))[0].mesh
+            surface = CutSurface(Surface(mesh), mesh, np.arange(len(mesh.cells)), plane("1,0.3,0.1=0.31"))
+            x = surface.of_nodes(mesh.coordinates)
+            ends = x[surface.element_edges]
+            in_section = np.abs(plane("1,0.3,0.1=0.31").heights(ends)).max(axis=1) < 1e-12
+            ends = np.unique(np.sort(surface.element_edges[in_section], axis=1), axis=0)
+            lengths.append(np.linalg.norm(x[ends[:, 1]] - x[ends[:, 0]], axis=1).sum())
+        self.assertAlmostEqual(lengths[1], lengths[0], places=12)
 
     def test_rods_are_as_thick_as_they_are(self):
         """A round rod and a rectangular one, whose corners are in any order."""
