@@ -67,8 +67,13 @@ export function paceText(pace) {
   return pace < 1 ? `1/${rounded(1 / pace)} of real time` : `${rounded(pace)} × real time`;
 }
 
+const NAMES = { "von mises": "von Mises", "cauchy": "Cauchy", "first piola kirchhoff": "first Piola-Kirchhoff", "green lagrange": "Green-Lagrange" };
+
 /// von_mises_stress as "von Mises stress"
+export const inWords = (name) => name.replaceAll("_", " ").replace(/\b(von mises|cauchy|first piola kirchhoff|green lagrange)\b/, (found) => NAMES[found]);
+
+/// The same as a title: "Von Mises stress"
 export function spelt(name) {
-  const text = name.replaceAll("_", " ").replace(/\bvon mises\b/, "von Mises");
+  const text = inWords(name);
   return text[0].toUpperCase() + text.slice(1);
 }

@@ -124,6 +124,11 @@ class Pair(ProgramTest):
         self.assertGreaterEqual(two[1], one[3])
         self.assertEqual((one[0], one[2]), (two[0], two[2]))
         self.assertLessEqual(browser.evaluate("document.documentElement.scrollWidth"), 390)
+        # The legend is in the part of the view that the bodies leave to it, whatever its title.
+        for field in ("Von Mises stress", "Displacement"):
+            browser.choose("#colour", field)
+            self.assertLess(browser.evaluate("document.getElementById('legend').getBoundingClientRect().width"), 0.22 * (two[2] - two[0]))
+            self.assertLessEqual(browser.evaluate("(l => l.scrollWidth - l.clientWidth)(document.querySelector('#legend .label'))"), 0)
         for name in ("view", "second.view"):
             used = browser.evaluate(f"""(c => {{ const k = Object.assign(document.createElement('canvas'), {{ width: c.width, height: c.height }}).getContext('2d');
                 k.drawImage(c, 0, 0); return k.getImageData(0, 0, c.width, c.height).data.filter((a, i) => i % 4 === 3 && a > 0).length / c.width / c.height; }})(pliant.{name}.canvas)""")
