@@ -87,7 +87,8 @@ class Sweep(ProgramTest):
         shown = {title.split(":")[0]: float(title.split(":")[1]) for title in titles}
         for row in self.rows():
             place = f"{row['bodies.0.density']}, {row['bodies.0.elasticity.youngs_modulus'].removesuffix(' MPa')}"
-            self.assertAlmostEqual(shown[place], float(row["sag"]), delta=1e-5 * abs(float(row["sag"])))
+            self.assertAlmostEqual(shown[place], 1000 * float(row["sag"]), delta=1e-2 * abs(float(row["sag"])))
+        self.assertIn("sag [mm]", "".join(tree.itertext()))
 
     def test_mistakes_are_told_before_anything_runs(self):
         for settings, expected in (
