@@ -271,6 +271,16 @@ class Pictures(WithResult):
             with self.assertRaises(ValueError):
                 plane(text)
 
+    def test_lines_inside_of_bodies_have_no_rims(self):
+        """Through a dark body a red line is seen in dark red, without the colour of the background."""
+        synthetic.add_mechanisms(self.directory)
+        file = self.draw("--view=0.3,-1,0.2", "--field", "displacement", "--frame", 0, "--hide", "coil", "--hide", "root_hinge", "--no-axes", "--size", "640x480")
+        columns = np.asarray(Image.open(file).convert("RGB")).astype(int)[:, 200:400]
+        red = (columns[..., 0] > columns[..., 1] + 60) & (columns[..., 0] > columns[..., 2] + 20)
+        rows = np.nonzero(red.any(axis=1))[0]
+        self.assertTrue(10 < np.ptp(rows) < 40, rows)
+        self.assertLess(columns[rows.min() - 8:rows.max() + 8, :, 1].max(), 65)
+
     def test_values_that_are_not_finite_have_no_part_in_the_range(self):
         with h5py.File(self.path("result.h5"), "r+") as h5:
             for frame in h5["frames"].values():
