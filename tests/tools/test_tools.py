@@ -574,6 +574,9 @@ class Plots(WithResult):
         self.assertEqual((x[0], y[0]), ("time [ms]", "force of wall in z [mN]"))
         self.assertIn("\u221220", y)
         self.assertEqual(axes_of(["tip_ux"])[1][1][0], "displacement of tip in x [m]")
+        for joint, moves, unit in (("slide", "travel", "N"), ("knee", "angle", "N m")):
+            history |= {f"{joint}_{moves}": np.zeros(4), f"{joint}_effort": np.linspace(0, 2, 4)}
+            self.assertEqual(axes_of([f"{joint}_effort"])[1][1][0], f"effort of {joint} [{unit}]")
         figure, shown = axes_of(["wall_fz", "hinge_tx"])
         self.assertEqual([label for label, *_ in shown], ["time [ms]", "force of wall in z [mN]", "time [ms]", "torque of hinge about x [kN m]"])
         self.assertEqual(len(figure.axes), 2)
