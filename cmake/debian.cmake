@@ -9,9 +9,10 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME pliant)
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # or it would be the first line of both descriptions, before their own
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "${PROJECT_DESCRIPTION}
- Simulates hyperelastic and viscoelastic bodies, meshed by gmsh, under large
- deformation, in motion or at rest, on any number of MPI ranks.")
+Simulates hyperelastic and viscoelastic bodies, meshed by gmsh, under large
+deformation, in motion or at rest, on any number of MPI ranks.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)  # dpkg-shlibdeps finds what the program and its module link
 # What `import pliant` imports is needed, so that it does not fail; `pliant render` and `pliant plot` say what they need besides.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "openmpi-bin, python3-h5py, python3-numpy, python3-yaml")
@@ -20,8 +21,8 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "gmsh, paraview, python3-mpi4py, pytho
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libpliant-dev)
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "${PROJECT_DESCRIPTION}: libraries
- Headers, static libraries and CMake's description of them, to add laws and
- terms to Pliant or to call it from another program.")
+Headers, static libraries and CMake's description of them, to add laws and
+terms to Pliant or to call it from another program.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 string(JOIN ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "pliant (= ${PROJECT_VERSION})" g++ cmake pkg-config
        libpetsc-real-dev libslepc-real-dev libgmsh-dev libmetis-dev libhdf5-openmpi-dev libopenmpi-dev libyaml-cpp-dev

@@ -12,6 +12,17 @@ install(TARGETS pliant_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPO
 install(TARGETS pliant_gmsh LIBRARY DESTINATION lib/pliant COMPONENT program)
 install(DIRECTORY input meshes docs DESTINATION ${pliant_share} COMPONENT program
         PATTERN "conf.py" EXCLUDE PATTERN "site.css" EXCLUDE PATTERN "Doxyfile" EXCLUDE PATTERN "headers.sed" EXCLUDE PATTERN "__pycache__" EXCLUDE)
+# Where the program is installed, its documents call it by its name; install.md is about building it.
+install(CODE "set(pages_in \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${pliant_share}/docs\")" COMPONENT program)
+install(CODE [[
+  file(GLOB pages "${pages_in}/*.md")
+  list(REMOVE_ITEM pages "${pages_in}/install.md")
+  foreach(page ${pages})
+    file(READ "${page}" text)
+    string(REPLACE "build/bin/pliant" "pliant" text "${text}")
+    file(WRITE "${page}" "${text}")
+  endforeach()
+]] COMPONENT program)
 # The Python package, where Debian's interpreter looks if the prefix is /usr, and the program for `render` and `plot`: in
 # ../lib/python3/dist-packages from its own folder, as in the folder of the build.
 install(DIRECTORY src/python/pliant DESTINATION lib/python3/dist-packages COMPONENT program

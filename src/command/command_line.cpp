@@ -126,7 +126,7 @@ CommandLine::CommandLine(MPI_Comm comm, const SweepOptions& of_sweep)
   arguments_.sweep = of_sweep;
   app_.footer(
       "pliant COMMAND --help shows a command's options and examples.\nWhat stands after -- goes to PETSc, e.g. pliant "
-      "run beam.yaml -- -snes_monitor -log_view\nThe documents, inputs and meshes of an installed program are in "
+      "run beam.yaml -- -snes_monitor -log_view\n\nThe documents, inputs and meshes of an installed program are in "
       "share/pliant, such as /usr/share/pliant/docs/index.md.");
   app_.set_version_flag("--version", version_text);
   app_.require_subcommand(1);

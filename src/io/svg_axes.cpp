@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -54,6 +55,27 @@ std::vector<AxisTick> multiples_of(const AxisSpan& span) {
     ticks.push_back({n * distance, fmt::format("{:.{}g}", n * distance + 0.0, digits)});
   }
   return ticks;
+}
+
+struct Prefix {
+  const char* name;
+  double factor;
+};
+
+constexpr std::array<Prefix, 6> prefixes{{{"µ", 1e-6}, {"m", 1e-3}, {"", 1.0}, {"k", 1e3}, {"M", 1e6}, {"G", 1e9}}};
+constexpr std::array<Prefix, 3> volumes{{{"mm^3", 1e-9}, {"cm^3", 1e-6}, {"m^3", 1.0}}};
+
+/// The first whose thousandfold is more than `largest`, or the last.
+template <std::size_t n>
+const Prefix& fitting(const std::array<Prefix, n>& all, double largest) {
+  const auto found = std::ranges::find_if(all, [&](const Prefix& p) { return largest < 1000.0 * p.factor; });
+  return found == all.end() ? all.back() : *found;
+}
+
+/// Units that take prefixes. No kilometres and kiloseconds.
+bool takes_prefix(std::string_view unit, double factor) {
+  constexpr std::array<std::string_view, 11> all{"m", "m/s", "m/s^2", "s", "Pa", "N", "J", "W", "N m", "N s", "N/m"};
+  return std::ranges::find(all, unit) != all.end() && (factor <= 1.0 || (unit[0] != 'm' && unit[0] != 's'));
 }
 
 constexpr const char* style = R"(<style>
@@ -107,6 +129,28 @@ double off_axis(double at, Scale scale) {
 
 std::vector<AxisTick> ticks_of(const AxisSpan& span, Scale scale) {
   return scale == Scale::logarithmic ? decades_of(span) : multiples_of(span);
+}
+
+HandyLabel handy_label(const std::string& label, double largest) {
+  constexpr double shortest_in_seconds = 0.1;
+  const std::size_t open = label.rfind(" [");
+  if (open == std::string::npos || label.back() != ']' || !(largest > 0.0)) return {label};
+  const std::string unit = label.substr(open + 2, label.size() - open - 3), before = label.substr(0, open + 2);
+  if (unit == "m^3") {
+    const Prefix& volume = fitting(volumes, largest);
+    return {before + volume.name + "]", volume.factor};
+  }
+  const Prefix& prefix = fitting(prefixes, largest);
+  if (!takes_prefix(unit, prefix.factor) || (unit == "s" && largest >= shortest_in_seconds)) return {label};
+  return {before + prefix.name + unit + "]", prefix.factor};
+}
+
+double largest_magnitude(const std::vector<double>& values) {
+  double largest = 0.0;
+  for (const double value : values) {
+    if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
+  }
+  return largest;
 }
 
 std::string svg_line(double x1, double y1, double x2, double y2, const std::string& style) {

@@ -48,6 +48,19 @@ struct Axes {
   double row(double at) const { return svg_frame::top + svg_frame::height * (y.high - at) / y.length(); }
 };
 
+/// A label that ends in a unit in brackets, such as "tip_z [m]", in a unit that suits the values: "tip_z [mm]".
+struct HandyLabel {
+  std::string label;
+  double factor = 1.0;  ///< the new unit in the given one: what values are divided by
+};
+
+/// `largest`: of the magnitudes of the values. Units that are not SI, such as mm, and labels without one stay as they
+/// are.
+HandyLabel handy_label(const std::string& label, double largest);
+
+/// The largest magnitude of the finite ones among values; 0 if there is none.
+double largest_magnitude(const std::vector<double>& values);
+
 std::string svg_line(double x1, double y1, double x2, double y2, const std::string& style);
 std::string svg_text(double x, double y, const std::string& style, const std::string& content);
 

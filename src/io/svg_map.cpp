@@ -43,6 +43,20 @@ Colour viridis_at(double share) {
   return {a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b)};
 }
 
+/// The same map with its values, and the units in its labels, as people write them. Logarithmic axes have powers of
+/// ten.
+ValueMap in_handy_units(ValueMap map) {
+  const auto change = [](std::string& label, std::vector<double>& values) {
+    const HandyLabel handy = handy_label(label, largest_magnitude(values));
+    label = handy.label;
+    for (double& value : values) value /= handy.factor;
+  };
+  if (map.x_scale == Scale::linear) change(map.x_label, map.x);
+  if (map.y_scale == Scale::linear) change(map.y_label, map.y);
+  change(map.value_label, map.values);
+  return map;
+}
+
 struct MapPoint {
   double x, y;  // in axis coordinates
   double value;
@@ -175,7 +189,8 @@ class Drawing {
             std::isfinite(value) ? fmt::format("{:.4g}", value) : "none");
       }
     }
-    return cells + "</g>\n" + contours(levels) + numbers;
+    // Contours begin and end at points, which are the middles of rectangles: few large ones have numbers instead.
+    return cells + "</g>\n" + (numbers.empty() ? contours(levels) : numbers);
   }
 
   /// Where the level lies between two points of the grid; nothing if it does not.
@@ -282,7 +297,8 @@ class Drawing {
 }  // namespace
 
 std::string svg_map(const ValueMap& map) {
-  return Drawing(map).document();
+  const ValueMap in_units = in_handy_units(map);
+  return Drawing(in_units).document();
 }
 
 }  // namespace pliant

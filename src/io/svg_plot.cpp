@@ -23,6 +23,24 @@ constexpr double height = svg_frame::bottom + 64;
 constexpr double legend_left = svg_frame::right + 24, legend_line = 22;
 constexpr double triangle_gap = 16;  // between a series and the triangle below it
 
+/// The same plot with its values, and the units in its labels, as people write them. Logarithmic axes have powers of
+/// ten.
+Plot in_handy_units(Plot plot) {
+  const auto change = [&](std::string& label, Scale scale, std::vector<double> PlotSeries::*values) {
+    if (scale == Scale::logarithmic) return;
+    double largest = 0.0;
+    for (const PlotSeries& series : plot.series) largest = std::max(largest, largest_magnitude(series.*values));
+    const HandyLabel handy = handy_label(label, largest);
+    label = handy.label;
+    for (PlotSeries& series : plot.series) {
+      for (double& value : series.*values) value /= handy.factor;
+    }
+  };
+  change(plot.x_label, plot.x_scale.value_or(plot.scale), &PlotSeries::x);
+  change(plot.y_label, plot.scale, &PlotSeries::y);
+  return plot;
+}
+
 /// A point in axis coordinates: decimal logarithms on logarithmic axes.
 struct AxisPoint {
   double x, y;
@@ -35,6 +53,11 @@ struct Curve {
   SeriesStyle style;
 
   const char* colour() const { return colours[look % colours.size()]; }
+  /// Dashes of its line: after the last colour the first one comes again, with others.
+  std::string dashes() const {
+    constexpr std::array all{"", " stroke-dasharray=\"9 5\"", " stroke-dasharray=\"2 4\""};
+    return all[look / colours.size() % all.size()];
+  }
 };
 
 /// The corners at the hypotenuse's ends; the right angle is at (right.x, left.y).
@@ -178,7 +201,8 @@ std::string draw_curve(const Curve& curve, const Axes& axes) {
                                                   off_axis(p.x, axes.x_scale), off_axis(p.y, axes.y_scale));
     marks += curve.look % 4 == 0 ? "</circle>\n" : curve.look % 4 == 1 ? "</rect>\n" : "</path>\n";
   }
-  const std::string line = curve.style == SeriesStyle::marks ? "" : "<polyline points=\"" + corners + "\"/>\n";
+  const std::string line =
+      curve.style == SeriesStyle::marks ? "" : "<polyline points=\"" + corners + "\"" + curve.dashes() + "/>\n";
   return fmt::format("<g class=\"series\" stroke=\"{0}\" fill=\"{0}\">\n{1}{2}</g>\n", curve.colour(), line, marks);
 }
 
@@ -186,7 +210,7 @@ std::string draw_legend(const std::vector<Curve>& curves) {
   std::string out;
   double y = svg_frame::top + 12;
   for (const Curve& curve : curves) {
-    out += fmt::format("<g class=\"series\" stroke=\"{0}\" fill=\"{0}\">\n", curve.colour());
+    out += fmt::format("<g class=\"series\" stroke=\"{0}\" fill=\"{0}\"{1}>\n", curve.colour(), curve.dashes());
     if (curve.style != SeriesStyle::marks) out += svg_line(legend_left, y, legend_left + 28, y, "sample");
     if (curve.style != SeriesStyle::line) out += mark(curve.look, legend_left + 14, y) + "/>\n";
     out += "</g>\n";
@@ -231,7 +255,8 @@ std::string description(const Plot& plot, const std::vector<Curve>& curves) {
 
 }  // namespace
 
-std::string svg(const Plot& plot) {
+std::string svg(const Plot& given) {
+  const Plot plot = in_handy_units(given);
   const auto curves = curves_of(plot);
   const auto triangles = triangles_of(plot, curves);
   const Axes axes = axes_of(curves, triangles, plot);

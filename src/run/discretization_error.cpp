@@ -158,10 +158,11 @@ bool asks_for_mesh_error(const Config& config) {
 
 std::string in_words(const MeshErrorWatch& watch, std::string_view when) {
   const auto& [x, y, z] = watch.worst().place;
+  const double percent = 100.0 * watch.worst().share;
   return fmt::format(
-      "discretization error: {:.2g} % of the elastic energy, when that was largest ({}); most of it per volume around "
+      "discretization error: {} % of the elastic energy, when that was largest ({}); most of it per volume around "
       "({:.4g}, {:.4g}, {:.4g})",
-      100.0 * watch.worst().share, when, x, y, z);
+      percent < 10.0 ? fmt::format("{:.2g}", percent) : fmt::format("{:.0f}", percent), when, x, y, z);
 }
 
 std::optional<Diagnostic> warning_about(const MeshErrorWatch& watch, const Config& config) {
@@ -172,7 +173,7 @@ std::optional<Diagnostic> warning_about(const MeshErrorWatch& watch, const Confi
                                                           : "choose a finer mesh";
   return Diagnostic{
       Severity::warning, config.mesh.file.where,
-      fmt::format("the mesh is too coarse: its discretization error is about {:.2g} % of the elastic energy, so that "
+      fmt::format("the mesh is too coarse: its discretization error is about {:.0f} % of the elastic energy, so that "
                   "displacements or forces are off by about as much; {}, first around ({:.4g}, {:.4g}, {:.4g}); the "
                   "field discretization_error shows where else",
                   100.0 * error.share, remedy, x, y, z)};
@@ -191,7 +192,7 @@ std::optional<Diagnostic> note_about_linear_elements(Model& model, const Config&
   const auto& [x, y, z] = error.place;
   return Diagnostic{
       Severity::note, config.mesh.file.where,
-      fmt::format("linear elements are too coarse here: about {:.2g} % of the elastic energy at the end is "
+      fmt::format("linear elements are too coarse here: about {:.0f} % of the elastic energy at the end is "
                   "discretization error, so that the bodies are far too stiff, mostly in bending with "
                   "fewer than four elements across; choose quadratic elements (`element: P2`), or a finer "
                   "mesh, first around ({:.4g}, {:.4g}, {:.4g}); `output.fields: [displacement, "

@@ -121,9 +121,10 @@ void MechanismDrawing::add_joint(std::size_t joint, const JointConfig& config, d
       break;
     case JointType::slider:
     case JointType::cylindrical:
-      about(0, place, half_slide * size * a);
+      // With the second body, as the dot: on the first one it would stay behind where that is the ground.
+      about(1, place, half_slide * size * a);
       for (const double end : {-half_slide, half_slide}) {
-        for (const Vector3<double>& e : across(a)) about(0, place + end * size * a, half_bar * size * e);
+        for (const Vector3<double>& e : across(a)) about(1, place + end * size * a, half_bar * size * e);
       }
       break;
     case JointType::universal:

@@ -1,9 +1,12 @@
 #include "study/labelled_history.hpp"
 
+#include "input/output_config.hpp"
 #include "input/output_fields.hpp"
 #include "input/parse.hpp"
 #include "run/result_fields.hpp"
 
+#include <algorithm>
+#include <array>
 #include <fstream>
 #include <sstream>
 #include <utility>
@@ -12,6 +15,8 @@
 
 namespace pliant {
 namespace {
+
+using Take = FieldColumnConfig::Take;
 
 std::string text_at(const InputNode& node, std::initializer_list<std::string_view> path) {
   const InputNode* value = given(node, path);
@@ -23,6 +28,42 @@ Abscissa abscissa_in(const InputNode& input) {
   return given(input, {"time", "path"}) != nullptr ? Abscissa::path : Abscissa::load_factor;
 }
 
+/// Does any selection of the input choose this surface?
+bool is_surface(const InputNode& node, const std::string& name) {
+  if (node.key == "surface" && node.text == name) return true;
+  return std::ranges::any_of(node.children, [&](const InputNode& child) { return is_surface(child, name); });
+}
+
+bool has_entry(const InputNode* list, std::string_view key, const std::string& text) {
+  return list != nullptr &&
+         std::ranges::any_of(list->children, [&](const InputNode& entry) { return text_at(entry, {key}) == text; });
+}
+
+/// The dimension of what a field is integrated over: 3 of volumes, 2 of surfaces, 1 of curves, 0 if the input does not
+/// say.
+int dimension_of(const InputNode& input, FieldOwner owner, const std::string& in) {
+  const InputNode *bodies = given(input, {"bodies"}), *shells = given(input, {"shells"});
+  if (owner == FieldOwner::shells) return 2;
+  if (owner == FieldOwner::rods) return 1;
+  if (in.empty()) return bodies != nullptr ? 3 : shells != nullptr ? 2 : 0;
+  if (has_entry(bodies, "volume", in)) return 3;
+  if (has_entry(shells, "name", in) || is_surface(input, in)) return 2;
+  // Names of volumes are in the mesh alone where a body is all of it.
+  return bodies != nullptr && !has_entry(bodies, "volume", "") ? 2 : 0;
+}
+
+/// The unit of an integral of a field over so many dimensions, or of the root of that of its square.
+std::string unit_of_integral(const std::string& unit, Take take, int dimension) {
+  if (dimension == 0) return "";
+  const double power = take == Take::norm ? 0.5 * dimension : dimension;
+  if (unit == "m") return fmt::format("m^{:g}", 1.0 + power);
+  if (unit == "Pa" && power == 2.0) return "N";
+  if ((unit == "Pa" && power == 3.0) || (unit == "N/m" && power == 2.0)) return "N m";
+  if (unit == "J/m^3" && power == 3.0) return "J";
+  const std::string size = power == 1.0 ? "m" : fmt::format("m^{:g}", power);
+  return unit.empty() ? size : unit + " " + size;
+}
+
 std::vector<FieldColumn> columns_of(const InputNode& input) {
   std::vector<FieldColumn> columns;
   const InputNode* list = given(input, {"output", "history"});
@@ -31,12 +72,15 @@ std::vector<FieldColumn> columns_of(const InputNode& input) {
     const std::string take = text_at(entry, {"take"}), of = text_at(entry, {"of"}), in = text_at(entry, {"in"}),
                       at = text_at(entry, {"at"});
     const auto field = field_component(of);
-    // Others have a power of the metre.
-    const bool is_field_itself = !at.empty() || take == "max" || take == "min" || take == "mean";
+    std::string unit = field ? unit_of_field(field->field.name) : "";
+    if (field && at.empty() && (take == "integral" || take == "norm")) {
+      unit = unit_of_integral(unit, take == "norm" ? Take::norm : Take::integral,
+                              dimension_of(input, field->field.owner, in));
+    }
     columns.push_back({text_at(entry, {"name"}),
                        at.empty() ? fmt::format("{} of {}{}", take, of, in.empty() ? "" : " in " + in)
                                   : fmt::format("{} at {}", of, at),
-                       field && is_field_itself ? unit_of_field(field->field.name) : ""});
+                       std::move(unit)});
   }
   return columns;
 }
@@ -73,7 +117,16 @@ Abscissa abscissa_of(const std::string& input) {
 std::string LabelledHistory::unit(const std::string& column) const {
   if (column == "time" || column == "dt") return abscissa == Abscissa::time ? "s" : "";
   const auto named = units.find(column);
-  return named != units.end() ? named->second : std::string(unit_of_column(column));
+  if (named != units.end()) return named->second;
+  // What a joint moves by says what its motor exerts.
+  for (const auto& [ending, of_angle, of_travel] :
+       {std::array{"_effort", "N m", "N"}, std::array{"_rate", "rad/s", "m/s"}}) {
+    if (!column.ends_with(ending)) continue;
+    const std::string joint = column.substr(0, column.size() - std::string_view(ending).size());
+    if (table.find(joint + "_angle") != nullptr) return of_angle;
+    if (table.find(joint + "_travel") != nullptr) return of_travel;
+  }
+  return std::string(unit_of_column(column));
 }
 
 LabelledHistory labelled_history(std::string label, HistoryTable table, const std::string& input) {

@@ -27,7 +27,7 @@ std::string instant_text(Abscissa abscissa, double value);
 struct FieldColumn {
   std::string name;
   std::string title;  ///< "max of von_mises_stress in beam"
-  std::string unit;   ///< empty if it is not that of the field
+  std::string unit;   ///< empty if it is not known
 };
 
 /// Those of a run, and what its time is; `input`: the text of its run.yaml. None, and time, if it cannot be read.

@@ -244,11 +244,15 @@ class Sweep {
       program.arguments.push_back("--");
       for (const std::string& option : options_.petsc_options) program.arguments.push_back(option);
     }
-    program.log = one.directory.string() + ".log";
+    make_directory(one.directory);
+    program.log = log_of(one);
     std::error_code ignored;
     if (!options_.continues) fs::remove(program.log, ignored);
     return program;
   }
+
+  /// What the run prints.
+  static std::string log_of(const Case& one) { return (one.directory / "log.txt").string(); }
 
   /// Once, at the first run that has a history: the others will have the same columns.
   void warn_of_missing_columns(const fs::path& run) {
@@ -283,7 +287,10 @@ class Sweep {
                                     std::string("newton"), std::string("seconds")}) {
       rows[0].push_back(name);
     }
-    for (const RunNumber& result : options_.results) rows[0].push_back(result.name);
+    for (const RunNumber& result : options_.results) {
+      const std::string unit = result.unit(histories_);
+      rows[0].push_back(unit.empty() ? result.name : fmt::format("{} [{}]", result.name, unit));
+    }
     for (std::size_t i = 0; i < cases_.size(); ++i) {
       auto row = values_of(i);
       row.push_back(in_words(ended_[i]));
@@ -362,7 +369,7 @@ class Sweep {
       const std::array known{ExitCode::input, ExitCode::solve, ExitCode::file, ExitCode::unexpected};
       const auto same = std::ranges::find(known, static_cast<ExitCode>(ended_[i].code));
       code = same == known.end() ? ExitCode::solve : *same;
-      console_.warn(fmt::format("run {} failed; its output is in {}", i + 1, cases_[i].directory.string() + ".log"));
+      console_.warn(fmt::format("run {} failed; its output is in {}", i + 1, log_of(cases_[i])));
     }
     return code;
   }

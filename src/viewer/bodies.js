@@ -1,6 +1,7 @@
 // The surfaces of the bodies at any time, between frames too.
 import { rangeOf } from "./colours.js";
 import { accumulated, int32, rows, EarlierNeighbours } from "./data.js";
+import { span } from "./numbers.js";
 
 const AXES = [0, 1, 2];
 
@@ -165,6 +166,6 @@ export class Bodies {
       if (sorted.length > 0) samples.push(sorted[cut], sorted[sorted.length - 1 - cut]);
       if (sorted.length < values.length) samples.push(0);
     }
-    return [Math.min(...samples), Math.max(...samples)];
+    return span(samples);
   }
 }

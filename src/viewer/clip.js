@@ -5,7 +5,7 @@ import {
   PlaneGeometry, Vector3, ZeroStencilOp,
 } from "three";
 import { element } from "./elements.js";
-import { handyUnit, short } from "./numbers.js";
+import { handyUnit, short, span } from "./numbers.js";
 
 const NORMALS = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
 const CUT = 0xc3c9d2;
@@ -40,7 +40,7 @@ export class Clip {
     for (const object of [...this.counts, this.cap]) object.visible = Boolean(normal);
     if (!normal) return this.view.set({});
     const depths = this.view.cloud().map((p) => p.dot(this.normal));
-    [this.low, this.high] = [Math.min(...depths), Math.max(...depths)];
+    [this.low, this.high] = span(depths);
     this.isFlipped = this.normal.dot(new Vector3(...this.view.direction())) < 0;  // the cut is seen
     this.move();
   }

@@ -1,6 +1,8 @@
 // Tendons, springs, rods and joints, where the result has them: lines, and a dot where a joint is. What is inside a body is
 // seen through it, fainter.
-import { BufferAttribute, BufferGeometry, CanvasTexture, Color, Group, Points, PointsMaterial, SRGBColorSpace } from "three";
+import {
+  BufferAttribute, BufferGeometry, CanvasTexture, Color, Group, NotEqualStencilFunc, Points, PointsMaterial, ReplaceStencilOp, SRGBColorSpace,
+} from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
@@ -21,6 +23,16 @@ export function disc() {
   pen.arc(size / 2, size / 2, size / 2 - 2, 0, 2 * Math.PI);
   pen.fill();
   return new CanvasTexture(canvas);
+}
+
+/// Segments overlap where they meet: each pixel is drawn once, or transparent ones would be spotted.
+function drawOnce(lines) {
+  Object.assign(lines.material, { stencilWrite: true, stencilRef: 1, stencilFunc: NotEqualStencilFunc, stencilZPass: ReplaceStencilOp });
+  const own = lines.onBeforeRender;
+  lines.onBeforeRender = (renderer) => {
+    own.call(lines, renderer);
+    renderer.clearStencil();
+  };
 }
 
 /// What belongs to one part of the run (it is written anew where it was resumed).
@@ -68,6 +80,7 @@ export class Mechanisms {
       const lines = new LineSegments2(made.lines, new LineMaterial({ ...look, linewidth: WIDTH, vertexColors: true }));
       const dots = new Points(made.dots, new PointsMaterial({ ...look, size: DOT, sizeAttenuation: false, map, alphaTest: faint ? FAINT / 2 : 0.5, color: COLOURS.joint }));
       for (const object of [lines, dots]) Object.assign(object, { frustumCulled: false, renderOrder: faint ? 3 : 0 });
+      if (faint) drawOnce(lines);
       made.group.add(lines, dots);
     }
     return made;

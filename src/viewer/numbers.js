@@ -16,6 +16,16 @@ export function handyUnit(unit, largest) {
   return [factor, prefix + unit];
 }
 
+/// Lowest and highest of the finite ones among numbers, however many: a function does not take more than about 10^5 arguments.
+export function span(values) {
+  let low = Infinity, high = -Infinity;
+  for (const x of values) if (Number.isFinite(x)) (low = Math.min(low, x)), (high = Math.max(high, x));
+  return high >= low ? [low, high] : [0, 0];
+}
+
+export const largest = (values) => Math.max(...span(values).map(Math.abs));
+export const extent = (values) => { const [low, high] = span(values); return high - low; };
+
 export const typeset = (unit) =>
   unit.replace(/\^(-?\d+)/g, (_, n) => [...n].map((c) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[c] ?? "⁻").join("")).replaceAll("*", "·");
 
@@ -43,7 +53,7 @@ export const grouped = (n) => n.toLocaleString("en").replaceAll(",", "\u2009");
 
 /// A time, or a load, which has no unit, with as many decimals as distinguish the frames.
 export function timeText(times, unitOfTime) {
-  const last = Math.max(...times.map(Math.abs)), [factor, unit] = handyUnit(unitOfTime, last);
+  const last = largest(times), [factor, unit] = handyUnit(unitOfTime, last);
   const gap = times.length > 1 ? (last / factor) / (times.length - 1) : 1;
   const enough = Math.max(0, Math.ceil(-Math.log10(gap || 1) + 0.3)), scaled = gap * 10 ** enough;
   const decimals = Math.min(6, enough + (Math.abs(scaled - Math.round(scaled)) > 0.01 * scaled ? 1 : 0));  // 0.75, not 0.8
@@ -57,8 +67,13 @@ export function paceText(pace) {
   return pace < 1 ? `1/${rounded(1 / pace)} of real time` : `${rounded(pace)} × real time`;
 }
 
+const NAMES = { "von mises": "von Mises", "cauchy": "Cauchy", "first piola kirchhoff": "first Piola-Kirchhoff", "green lagrange": "Green-Lagrange" };
+
 /// von_mises_stress as "von Mises stress"
+export const inWords = (name) => name.replaceAll("_", " ").replace(/\b(von mises|cauchy|first piola kirchhoff|green lagrange)\b/, (found) => NAMES[found]);
+
+/// The same as a title: "Von Mises stress"
 export function spelt(name) {
-  const text = name.replaceAll("_", " ").replace(/\bvon mises\b/, "von Mises");
+  const text = inWords(name);
   return text[0].toUpperCase() + text.slice(1);
 }

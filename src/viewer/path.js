@@ -1,9 +1,7 @@
 // The path of a static analysis: the load factor over what it moves, unstable parts dashed, with a mark that follows the player.
-import { handyUnit, short, ticks, typeset } from "./numbers.js";
+import { extent, handyUnit, largest, short, span, ticks, typeset } from "./numbers.js";
 
 const WIDTH = 420, HEIGHT = 236, LEFT = 52, RIGHT = 12, TOP = 8, BOTTOM = 34;
-const span = (values) => [Math.min(...values), Math.max(...values)];
-const extent = (values) => { const [low, high] = span(values); return high - low; };
 
 /// What a path moves: title, unit, values; of each probe the component of its displacement that changes most, with the sign
 /// that it has at the end, and the volumes of cavities.
@@ -27,7 +25,7 @@ export class PathPlot {
   constructor(place, history, way, seek) {
     this.time = history.get("time");
     const load = history.get("load_factor"), unstable = history.get("unstable_modes");
-    const [factor, unit] = handyUnit(way.unit, Math.max(...way.values.map(Math.abs)));
+    const [factor, unit] = handyUnit(way.unit, largest(way.values));
     const x = way.values.map((v) => v / factor), [left, right] = span(x), [low, high] = span(load);
     const column = (v) => LEFT + ((v - left) / (right - left)) * (WIDTH - LEFT - RIGHT);
     const row = (v) => HEIGHT - BOTTOM - ((v - low) / (high - low || 1)) * (HEIGHT - TOP - BOTTOM);

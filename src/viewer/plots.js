@@ -1,20 +1,13 @@
 // The history as plots that follow the player: a click on one sets its time.
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { handyUnit, short, spelt, typeset } from "./numbers.js";
+import { extent, handyUnit, inWords, largest, short, spelt, typeset } from "./numbers.js";
 import { PathPlot, waysOf } from "./path.js";
 
 const COLOURS = ["#4a80c9", "#d9693f", "#43a874", "#9670c6", "#c79a2b", "#4aa5b5", "#bd5a86", "#7d8693"];
 const ENERGIES = ["kinetic_energy", "elastic_energy", "load_potential", "dissipated_energy", "numerical_dissipation", "load_work"];
 
 const styleOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-const span = (values) => {
-  let low = Infinity, high = -Infinity;
-  for (const x of values) if (Number.isFinite(x)) (low = Math.min(low, x)), (high = Math.max(high, x));
-  return high >= low ? [low, high] : [0, 0];
-};
-const largest = (values) => Math.max(...span(values).map(Math.abs));
-const extent = (values) => { const [low, high] = span(values); return high - low; };
 /// Those of the lines that vary by more than rounding, relative to the others.
 function varying(lines) {
   const most = Math.max(0, ...lines.map(([, values]) => Math.max(extent(values), 1e-6 * largest(values))));
@@ -37,6 +30,27 @@ function triples(history, suffixes) {
   return [...history.keys()].filter((name) => name.endsWith(suffixes[0])).map((name) => name.slice(0, -suffixes[0].length))
     .filter((stem) => stem && suffixes.every((s) => history.has(stem + s)));
 }
+
+/// Columns of tendons, springs, joints and motors: their ending, the title over them, their unit; `with`: the ending of another column
+/// that their joint has.
+const MECHANISMS = [
+  { ending: "_tension", title: "Tension of tendons", unit: "N" }, { ending: "_force", title: "Force of springs", unit: "N" },
+  { ending: "_length", title: "Length of tendons and springs", unit: "m" }, { ending: "_angle", title: "Angles of joints", unit: "rad" },
+  { ending: "_travel", title: "Travel of joints", unit: "m" },
+  { ending: "_effort", title: "Torques of motors", unit: "N m", with: "_angle" }, { ending: "_effort", title: "Forces of motors", unit: "N", with: "_travel" },
+];
+
+function* plotsOfMechanisms(history, taken) {
+  for (const { ending, title, unit, with: other } of MECHANISMS) {
+    const stems = [...history.keys()].filter((name) => name.endsWith(ending) && !taken.some(({ column }) => column === name))
+      .map((name) => name.slice(0, -ending.length)).filter((stem) => stem && (!other || history.has(stem + other)));
+    const lines = varying(stems.map((stem) => [stem, history.get(stem + ending)]));
+    if (lines.length) yield { title, unit, lines };
+  }
+}
+
+/// Dashed is a second run, dotted what has the colour of an earlier line.
+const dashes = (isDashed, i) => (isDashed ? { dash: [6, 4] } : i >= COLOURS.length ? { dash: [2, 3] } : {});
 
 /// What is to be plotted: title, unit, lines of name and values.
 function* plotsOf(history, { isStatic, taken }) {
@@ -66,11 +80,12 @@ function* plotsOf(history, { isStatic, taken }) {
     yield { title: `Pressure in ${cavity}`, unit: "Pa", lines: [["gauge pressure", history.get(name)]] };
     yield { title: `Volume of ${cavity}`, unit: "m^3", lines: [["volume", history.get(`${cavity}_volume`)]], colour: 2 };
   }
+  yield* plotsOfMechanisms(history, taken);
   if (history.has("load_factor")) yield { title: "Load factor", unit: "", lines: [["load", history.get("load_factor")]] };
   const linear = history.has("px") ? varying([..."xyz"].map((k, i) => [k, history.get(`p${k}`), i])) : [];
   if (linear.length) yield { title: "Momentum", unit: "N s", lines: linear };
   for (const { column, title, unit } of taken) {
-    if (history.has(column)) yield { title: column, note: title, unit, lines: [[column, history.get(column)]], colour: 3 };
+    if (history.has(column)) yield { title: column, note: inWords(title), unit, lines: [[column, history.get(column)]], colour: 3 };
   }
   const coarse = history.get("discretization_error");
   if (coarse) yield { title: "Discretization error", note: "share of the elastic energy", unit: "", lines: [["error", coarse]], zero: true, colour: 1 };
@@ -152,7 +167,7 @@ export class Plots {
              axis({ size: 58, values: (u, v) => v.map((x) => short(x)) })],
       series: [{ label: this.timeLabel, value: show },
                ...plot.lines.map(([name, , , , isDashed], i) => ({
-                 label: name, value: show, stroke: strokes[i + 1], width: 1.7, points: { show: false }, ...(isDashed && { dash: [6, 4] }),
+                 label: name, value: show, stroke: strokes[i + 1], width: 1.7, points: { show: false }, ...dashes(isDashed, i),
                  ...(plot.steps && { paths: uPlot.paths.stepped({ align: -1 }) }),
                }))],
       hooks: { ready: [(u) => this.watch(u, this.seek), () => queueMicrotask(() => this.time !== undefined && this.mark(this.time))] },

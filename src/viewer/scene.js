@@ -7,6 +7,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Arrows } from "./arrows.js";
 import { Clip } from "./clip.js";
 import { colourMap, nameColours, shareOf } from "./colours.js";
+import { span } from "./numbers.js";
 
 const VIEW_ANGLE = 24;  // [degrees], of the picture's height
 /// From where the bodies are seen: z is up, the front is at low y.
@@ -245,9 +246,8 @@ export class View {
       }
       return { shift: (plus - minus) / 2, distance: (plus + minus) / (2 * slopes[k]) };
     });
-    this.sceneSize = Math.max(this.bodySize, ...points.map((p) => p.distanceTo(points[0])));
-    const depths = points.map((p) => p.dot(back));
-    const deepest = Math.max(...depths), middle = (deepest + Math.min(...depths)) / 2;
+    this.sceneSize = Math.max(this.bodySize, span(points.map((p) => p.distanceTo(points[0])))[1]);
+    const [shallowest, deepest] = span(points.map((p) => p.dot(back))), middle = (shallowest + deepest) / 2;
     const distance = Math.max(bounds[0].distance, bounds[1].distance, deepest + 0.1 * this.bodySize);
     const place = (depth) => right.clone().multiplyScalar(bounds[0].shift).addScaledVector(up, bounds[1].shift).addScaledVector(back, depth);
     this.controls.target.copy(place(middle));

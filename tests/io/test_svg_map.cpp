@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <map>
+#include <numeric>
 #include <regex>
 #include <set>
 #include <utility>
@@ -41,6 +42,8 @@ ValueMap grid(const std::vector<double>& x, const std::vector<double>& y, Functi
 }
 
 const std::vector<double> five{0, 1, 2, 3, 4};
+/// So many that their rectangles have no room for numbers.
+const std::vector<double> many{0, 0.25, 0.5, 0.75, 1, 1.25, 1.5, 1.75, 2, 2.25, 2.5, 2.75, 3, 3.25, 3.5, 3.75, 4};
 
 TEST(SvgMap, IsWellFormedWhateverIsInIt) {
   const auto directory = empty_directory(comm, "svg_map");
@@ -104,9 +107,9 @@ std::vector<Segment> contour(const std::string& picture, const std::string& leve
 }
 
 TEST(SvgMap, ContoursFollowTheirLevels) {
-  const std::string plane = svg_map(grid(five, five, [](double x, double y) { return x + 2.0 * y; }));
+  const std::string plane = svg_map(grid(many, many, [](double x, double y) { return x + 2.0 * y; }));
   for (const double level : {2.0, 6.0, 10.0}) {
-    const auto segments = contour(plane, std::to_string(static_cast<int>(level)), -0.5, 4.5);
+    const auto segments = contour(plane, std::to_string(static_cast<int>(level)), -0.125, 4.125);
     EXPECT_GE(segments.size(), 2u) << level;
     for (const Segment& s : segments) {
       EXPECT_NEAR(s.at[0] + 2.0 * s.at[1], level, 1e-3);
@@ -115,8 +118,8 @@ TEST(SvgMap, ContoursFollowTheirLevels) {
   }
   // A ring: every end is that of two segments.
   const std::string bowl =
-      svg_map(grid(five, five, [](double x, double y) { return (x - 2.1) * (x - 2.1) + (y - 1.9) * (y - 1.9); }));
-  const auto segments = contour(bowl, "2", -0.5, 4.5);
+      svg_map(grid(many, many, [](double x, double y) { return (x - 2.1) * (x - 2.1) + (y - 1.9) * (y - 1.9); }));
+  const auto segments = contour(bowl, "2", -0.125, 4.125);
   ASSERT_GE(segments.size(), 4u);
   std::map<std::pair<long, long>, int> ends;
   for (const Segment& s : segments) {
@@ -124,13 +127,29 @@ TEST(SvgMap, ContoursFollowTheirLevels) {
     ++ends[{std::lround(100 * s.at[2]), std::lround(100 * s.at[3])}];
   }
   for (const auto& [place, count] : ends) EXPECT_EQ(count, 2);
+  // They would strike through numbers.
+  EXPECT_EQ(svg_map(grid(five, five, [](double x, double y) { return x + 2.0 * y; })).find("fill:none"),
+            std::string::npos);
+}
+
+TEST(SvgMap, HasUnitsThatSuitItsValues) {
+  const std::string picture = svg_map(grid({0.01, 0.02}, {1, 2}, [](double x, double y) { return 1e5 * x * y; }));
+  EXPECT_NE(
+      picture.find("value [kJ] as colours over x [mm] and y [s]: 4 of 4 points have a value, from 1 at (10, 1) to "
+                   "4 at (20, 2)."),
+      std::string::npos);
 }
 
 TEST(SvgMap, ASaddleIsCutAsItsMiddleSays) {
   // Corners 0, 10 | 10, 0 with the middle at 5: the level 4 cuts off the corners of 0, the level 6 those of 10.
-  const std::string saddle = svg_map(grid({0, 1}, {0, 1}, [](double x, double y) { return x == y ? 0.0 : 10.0; }));
+  // Other points, without values, make the rectangles small.
+  std::vector<double> places(17);
+  std::iota(places.begin(), places.end(), 0.0);
+  const std::string saddle = svg_map(grid(places, places, [](double x, double y) {
+    return x > 1.0 || y > 1.0 ? nan : x == y ? 0.0 : 10.0;
+  }));
   for (const auto& [level, is_at_equal] : {std::pair{"4", true}, std::pair{"6", false}}) {
-    const auto segments = contour(saddle, level, -0.5, 1.5);
+    const auto segments = contour(saddle, level, -0.5, 16.5);
     ASSERT_EQ(segments.size(), 2u);
     for (const Segment& s : segments) {
       const double x = 0.5 * (s.at[0] + s.at[2]), y = 0.5 * (s.at[1] + s.at[3]);

@@ -186,6 +186,34 @@ INSTANTIATE_TEST_SUITE_P(Values, SvgFlatLine,
                                            std::pair(2.0, 2.0 + 1e-9), std::pair(2.0, 2.0 + 1e-6),
                                            std::pair(0.0, 1e-300), std::pair(-1e300, 1e300)));
 
+TEST(SvgPlot, LinearAxesHaveUnitsThatSuitTheirValues) {
+  Plot plot{"a title", "time [s]", "tip_z [m]", {{"run", {0.0, 1.0}, {0.0, -0.05}}}};
+  plot.scale = Scale::linear;
+  const std::string picture = svg(plot);
+  EXPECT_NE(picture.find(">time [s]</text>"), std::string::npos);
+  EXPECT_NE(picture.find(">tip_z [mm]</text>"), std::string::npos);
+  EXPECT_NE(picture.find(">-40</text>"), std::string::npos);
+  const std::vector<std::array<std::string, 2>> units{
+      {"[Pa]", "[kPa]"}, {"[m^3]", "[cm^3]"}, {"[kg]", "[kg]"}, {"[mm]", "[mm]"}};
+  for (const auto& [given, shown] : units) {
+    plot.y_label = "value " + given;
+    plot.series[0].y = {0.0, given == "[m^3]" ? 2e-6 : 5e3};
+    EXPECT_NE(svg(plot).find(">value " + shown + "</text>"), std::string::npos) << given;
+  }
+}
+
+TEST(SvgPlot, LinesOfTheSameColourHaveOtherDashes) {
+  Plot plot{"a title", "x", "y", {}};
+  plot.scale = Scale::linear;
+  for (int k = 0; k < 24; ++k) plot.series.push_back({std::to_string(k), {0.0, 1.0}, {0.0, 1.0 + k}});
+  const std::string picture = svg(plot);
+  std::set<std::string> looks;
+  for (const auto& m : all_matches(picture, R"re(stroke="(#\w+)" fill="#\w+">\n<polyline points="[^"]*"([^>]*)/>)re")) {
+    looks.insert(m[1] + m[2]);
+  }
+  EXPECT_EQ(looks.size(), 24u);
+}
+
 TEST(SvgPlot, LeavesOutWhatHasNoLogarithm) {
   const std::string picture =
       svg({"holes",

@@ -47,6 +47,13 @@ class Package(unittest.TestCase):
         text = run(self.prefix / "bin/pliant", "check", self.prefix / "share/pliant/input/cantilever.yaml")
         self.assertIn("the input is well", text)  # gmsh's module has meshed the geometry
 
+    def test_the_documents_call_the_program_by_its_name(self):
+        installed, here = self.prefix / "share/pliant/docs", ROOT / "docs"
+        for page in here.glob("*.md"):
+            text = page.read_text(encoding="utf-8")
+            self.assertEqual((installed / page.name).read_text(encoding="utf-8"),
+                             text if page.name == "install.md" else text.replace("build/bin/pliant", "pliant"), page.name)
+
     def test_the_python_package_is_where_python_finds_it(self):
         packages = self.prefix / "lib/python3/dist-packages"
         text = run("/usr/bin/python3", "-c", f"import sys; sys.path.insert(0, {str(packages)!r}); import pliant; print(pliant.__file__)")

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Runs side by side: their differences in a table and in plots, and numbers that a sweep takes from its runs."""
 import csv
+import sys
 import unittest
 from xml.etree import ElementTree
 
@@ -60,6 +61,32 @@ class Compare(ProgramTest):
             self.assertIn(expected, told.stderr)
             self.assertEqual(told.stderr.count("\n"), 1)
 
+    def test_units_of_columns(self):
+        """Those of columns from fields follow from the input, those of motors from the columns of their joints; plots have handy ones."""
+        units = {"lift_travel": "m", "lift_effort": "N", "lift_rate": "m/s", "knuckle_angle": "rad", "knuckle_effort": "N m", "knuckle_rate": "rad/s",
+                 "pull": "N", "work": "J", "size": "m^3", "area": "m^2", "moved": "m^3", "error": "m^2.5", "peak": "Pa", "there": "m", "side": "N m"}
+        entries = [("pull", "first_piola_kirchhoff_stress_xx", "take: integral, in: right"), ("work", "energy_density", "take: integral, in: bar"),
+                   ("size", "volume_ratio", "take: integral"), ("area", "volume_ratio", "take: integral, in: right"),
+                   ("moved", "displacement_z", "take: integral, in: right"), ("error", "displacement", "take: norm"), ("peak", "von_mises_stress", "take: max, in: bar"),
+                   ("there", "displacement", "at: tip"), ("side", "membrane_force_xx", "take: integral, in: skin")]
+        for name, factor in (("one", 1), ("two", 2)):
+            (self.directory / name).mkdir()
+            self.write(f"{name}/run.yaml", "bodies:\n  - volume: bar\nshells:\n  - name: skin\noutput:\n  history:\n"
+                       + "".join(f"    - {{name: {column}, of: {of}, {how}}}\n" for column, of, how in entries))
+            self.write(f"{name}/history.csv", ",".join(["step", "time", *units]) + "\n" + "".join(
+                f"{t},{t}" + f",{0.001 * factor * t}" * len(units) + "\n" for t in (0, 1, 2)))
+        printed = self.compare("one", "two", "--output", "both").stdout
+        for column, unit in units.items():
+            self.assertIn(f"  {column} [{unit}]: +0.002 in two", printed)
+        self.assertIn("pull [mN]", texts_of(self.directory / "both/pull.svg"))
+        self.assertIn("lift_travel [mm]", texts_of(self.directory / "both/lift_travel_difference.svg"))
+        sys.path.insert(0, str(ROOT / "src/python"))
+        from pliant import History
+        from pliant.pictures import plot  # which needs matplotlib
+        taken, history = plot.columns_from_fields(self.directory / "one"), History(self.directory / "one")
+        self.assertEqual({column: plot.unit_of_column(column, taken, history) for column in units}, units)
+        self.assertEqual(taken["pull"][0], "integral of first Piola-Kirchhoff stress xx in right")
+
     def test_results_of_a_sweep(self):
         done = self.call("sweep", INPUT, "--output", "out", "--set", "bodies.0.density=[900, 1000]", "--set",
                          "time.method=[bdf2, backward-euler]", "--set", "time.end=40 ms", "--result", "lowest=min(tip_z)", "--result",
@@ -77,6 +104,10 @@ class Compare(ProgramTest):
             self.assertAlmostEqual(float(row["mean(kinetic_energy)"]), mean, delta=1e-12 * mean)
             self.assertEqual(row["max(tip_q)"].lower(), "nan")
             self.assertRegex(done.stdout, rf"(?m)^{row['bodies.0.density']} +{row['time.method']} .* {float(row['lowest']):.6g} ")
+        self.assertRegex(done.stdout, r"(?m)^density .* lowest \[m\] +mean\(kinetic_energy\) \[J\] ")
+        for row in rows:  # what a run printed is with its results
+            self.assertIn("energy [J]", (self.directory / "out" / row["directory"] / "log.txt").read_text())
+        self.assertEqual([file for file in self.directory.glob("out/0*") if not file.is_dir()], [])
         text = texts_of(self.directory / "out/lowest.svg")
         for part in ("density", "method=bdf2", "method=backward-euler"):
             self.assertIn(part, text)
@@ -95,13 +126,13 @@ output: {{history: [{{name: peak, of: von_mises_stress, take: max}}]}}
                            "--result", "when=time_of_max(tip_uz)")
         self.assertRegex(done.stdout, r"(?m)^youngs_modulus .* load factor ")
         self.assertNotIn("time [s]", done.stdout)
-        for file, label in (("tip_uz", "tip_uz [m]"), ("peak", "peak [Pa]")):
+        for file, label in (("tip_uz", "tip_uz [mm]"), ("peak", "peak [kPa]")):
             text = texts_of(self.directory / f"out/{file}.svg")
             self.assertIn("load factor", text)
             self.assertIn(label, text)
             self.assertNotIn("time [s]", text)
         # Values of several units are drawn, and written, in SI; as typed too.
-        self.assertIn("youngs_modulus [Pa]", texts_of(self.directory / "out/last_tip_uz_.svg"))
+        self.assertIn("youngs_modulus [MPa]", texts_of(self.directory / "out/last_tip_uz_.svg"))
         self.assertNotIn("when [s]", texts_of(self.directory / "out/when.svg"))
         with open(self.directory / "out/sweep.csv", encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file))

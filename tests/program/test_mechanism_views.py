@@ -127,7 +127,7 @@ class MechanismViews(ProgramTest):
               "universal": "axis: [0, 0, 1], second_axis: [1, 0, 0]", "planar": "axis: [0, 0, 1]", "distance": "second_point: [0, 0, 1]"}
         text = "rigid_bodies:\n"
         for k, kind in enumerate(at):
-            text += f"  - {{name: b{k}, mass: 1, inertia: [0.1, 0.1, 0.1], center: [{3 * k}, 0, 1], angular_velocity: [0, 0, {k if k in (2, 4, 6) else 0}]}}\n"
+            text += f"  - {{name: b{k}, mass: 1, inertia: [0.1, 0.1, 0.1], center: [{3 * k}, 0, 1], angular_velocity: [0, 0, {k if k in (2, 4, 6) else 0}], velocity: [0, 0, {int(k in (3, 4))}]}}\n"
         text += "joints:\n"
         for k, (kind, keys) in enumerate(at.items()):
             text += f"  - {{name: j{k}, type: {kind}, between: [ground, b{k}], point: [{3 * k}, 0, 0]{', ' * bool(keys)}{keys.replace('[0, 0, 1]', f'[{3 * k}, 0, 1]') if kind == 'distance' else keys}}}\n"
@@ -150,6 +150,11 @@ class MechanismViews(ProgramTest):
             self.assertGreater(np.einsum("ij,ij->i", np.cross(a, b), c).min(), 0)
         drawn = np.bincount(result[-1].mechanisms.part)
         self.assertEqual(list(drawn), [3, 3, 1, 5, 5, 2, 5, 1])
+        # Lines of sliders are where their dots are.
+        last = result[-1].mechanisms
+        for k in (3, 4):
+            self.assertAlmostEqual(last.points[last.joints[k], 2], 0.1)
+            np.testing.assert_allclose(last.points[last.segments[last.part == k]].mean(axis=(0, 1)), [3 * k, 0, 0.1], atol=1e-9)
         for joint in result.joints.values():
             has_axis = joint.type not in ("fixed", "ball", "distance")
             np.testing.assert_allclose(joint.axis, np.full((len(result), 1), has_axis) * [[0, 0, 1]], atol=1e-12)
@@ -210,6 +215,9 @@ class MechanismViews(ProgramTest):
             titles = browser.evaluate("[...document.querySelectorAll('#plots figcaption b')].map(b => b.textContent)")
             self.assertIn("Body palm", titles)
             self.assertNotIn("Probe palm", titles)
+            captions = browser.evaluate("[...document.querySelectorAll('#plots figcaption')].map(c => c.textContent)")
+            for caption in ("Tension of tendons [N]", "Force of springs [mN]", "Length of tendons and springs [mm]", "Angles of joints [rad]", "Torques of motors [mN m]"):
+                self.assertIn(caption, captions)
             draw = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
             browser.evaluate("pliant.panel.colour.value = 'none', pliant.panel.paint()")
             browser.evaluate(draw)

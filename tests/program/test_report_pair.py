@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """`pliant report RUN RUN`: two runs on one page, with one camera, one time and one range of colours."""
+import shutil
 import unittest
 
 import numpy as np
@@ -123,6 +124,11 @@ class Pair(ProgramTest):
         self.assertGreaterEqual(two[1], one[3])
         self.assertEqual((one[0], one[2]), (two[0], two[2]))
         self.assertLessEqual(browser.evaluate("document.documentElement.scrollWidth"), 390)
+        # The legend is in the part of the view that the bodies leave to it, whatever its title.
+        for field in ("Von Mises stress", "Displacement"):
+            browser.choose("#colour", field)
+            self.assertLess(browser.evaluate("document.getElementById('legend').getBoundingClientRect().width"), 0.22 * (two[2] - two[0]))
+            self.assertLessEqual(browser.evaluate("(l => l.scrollWidth - l.clientWidth)(document.querySelector('#legend .label'))"), 0)
         for name in ("view", "second.view"):
             used = browser.evaluate(f"""(c => {{ const k = Object.assign(document.createElement('canvas'), {{ width: c.width, height: c.height }}).getContext('2d');
                 k.drawImage(c, 0, 0); return k.getImageData(0, 0, c.width, c.height).data.filter((a, i) => i % 4 === 3 && a > 0).length / c.width / c.height; }})(pliant.{name}.canvas)""")
@@ -134,6 +140,42 @@ class Pair(ProgramTest):
         done = self.call("report", "out/stiff", "out/missing")
         self.assertEqual((done.returncode, done.stderr.count("\n")), (4, 1), done.stderr)
         self.assertIn("missing", done.stderr)
+
+LARGE = """
+title: a plate that falls
+mesh: {file: plate.msh}
+bodies: [{volume: body, density: 1200 kg/m^3, rigid: true}]
+loads: [{gravity: [0, 0, -9.81]}]
+time: {method: bdf2, step: 10 ms, end: 0.3}
+output: {fields: [displacement]}
+"""
+
+
+def bulged(x):
+    """A plane side would be drawn by few triangles."""
+    return x + np.stack([0 * x[..., 0], 0 * x[..., 0], 0.1 * np.sin(np.pi * x[..., 0]) * np.sin(np.pi * x[..., 1])], axis=-1)
+
+
+@unittest.skipUnless(CHROMIUM, "chromium is not installed")
+class LargePair(ProgramTest):
+    def test_more_points_than_a_function_takes_arguments(self):
+        """The camera looks at samples of all frames of both runs: here more than Chromium passes to a function."""
+        write_box(self.directory / "plate.msh", (35, 35, 1), (1, 1, 0.02), shape=bulged)
+        self.write("plate.yaml", LARGE)
+        self.pliant("run", "plate.yaml", "--quiet", "--output", "out/one")
+        shutil.copytree(self.directory / "out/one", self.directory / "out/two")
+        self.pliant("report", "out/one", "out/two")
+        with Browser((1280, 900)) as browser:
+            browser.open(self.directory / "out/one/comparison.html")
+            browser.wait('document.documentElement?.dataset.ready === "yes" || !(document.getElementById("trouble")?.hidden ?? true)')
+            self.assertEqual(browser.evaluate("document.getElementById('trouble').textContent"), "")
+            self.assertEqual(browser.evaluate("(points => { try { return Math.max(...points); } catch (error) { return error.name; } })(pliant.view.cloud().map(() => 1))"),
+                             "RangeError")
+            # Both are seen whole, in a box around what they fall through.
+            self.assertAlmostEqual(browser.evaluate("pliant.view.sceneSize"), np.hypot(np.sqrt(2), 9.81 * 0.3**2 / 2), delta=0.01)
+            browser.choose("#clip", "Cut across x")
+            self.assertAlmostEqual(browser.evaluate("pliant.view.clip.high - pliant.view.clip.low"), 1, places=3)
+            self.assertEqual(browser.errors, [])
 
 
 if __name__ == "__main__":

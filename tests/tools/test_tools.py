@@ -259,6 +259,28 @@ class Pictures(WithResult):
                                  (("--colour-map", "jet"), "invalid choice"), (("--cut", "y", "-o", "a.glb"), "has no effect on a .glb")):
             self.fails(words, self.directory, *arguments)
 
+    def test_pictures_of_one_result_have_one_range(self):
+        """Whichever frame they show."""
+        bars = []
+        for frame in (0, 1, 2):  # the bar is straight in the first and the last
+            image = Image.open(self.draw("--frame", frame, "--field", "velocity_z", "--no-axes", *SMALL)).convert("RGB")
+            bars.append(np.asarray(image)[60:, 268:])
+        for other in bars[1:]:
+            np.testing.assert_array_equal(other, bars[0])
+        for text in ("", "x=", "0,0,0", "x=1=2", "nan,0,1", "x=nan"):
+            with self.assertRaises(ValueError):
+                plane(text)
+
+    def test_lines_inside_of_bodies_have_no_rims(self):
+        """Through a dark body a red line is seen in dark red, without the colour of the background."""
+        synthetic.add_mechanisms(self.directory)
+        file = self.draw("--view=0.3,-1,0.2", "--field", "displacement", "--frame", 0, "--hide", "coil", "--hide", "root_hinge", "--no-axes", "--size", "640x480")
+        columns = np.asarray(Image.open(file).convert("RGB")).astype(int)[:, 200:400]
+        red = (columns[..., 0] > columns[..., 1] + 60) & (columns[..., 0] > columns[..., 2] + 20)
+        rows = np.nonzero(red.any(axis=1))[0]
+        self.assertTrue(10 < np.ptp(rows) < 40, rows)
+        self.assertLess(columns[rows.min() - 8:rows.max() + 8, :, 1].max(), 65)
+
     def test_values_that_are_not_finite_have_no_part_in_the_range(self):
         with h5py.File(self.path("result.h5"), "r+") as h5:
             for frame in h5["frames"].values():
@@ -410,9 +432,17 @@ class SurfaceOfBlock(WithResult):
                 at_cut = np.abs(cut.heights(x[surface.triangles])).max(axis=1) < 1e-12
                 self.assertTrue(np.isin(mesh.body[surface.cell_of_face[surface.face_of_triangle[at_cut]]], [0, 1]).all())
         self.assertEqual((mirror("y=0.5").offset, mirror("y").offset), (0.5, 0.0))
-        for text in ("", "x=", "0,0,0", "x=1=2", "nan,0,1", "x=nan"):
-            with self.assertRaises(ValueError):
-                plane(text)
+        # With straight sides, quadratic elements have the outlines of linear ones in a section: pieces of them, as the nodes on edges divide them.
+        lengths = []
+        for order in (1, 2):
+            mesh = Result(self.path(f"order{order}"))[0].mesh
+            surface = CutSurface(Surface(mesh), mesh, np.arange(len(mesh.cells)), plane("1,0.3,0.1=0.31"))
+            x = surface.of_nodes(mesh.coordinates)
+            ends = x[surface.element_edges]
+            in_section = np.abs(plane("1,0.3,0.1=0.31").heights(ends)).max(axis=1) < 1e-12
+            ends = np.unique(np.sort(surface.element_edges[in_section], axis=1), axis=0)
+            lengths.append(np.linalg.norm(x[ends[:, 1]] - x[ends[:, 0]], axis=1).sum())
+        self.assertAlmostEqual(lengths[1], lengths[0], places=12)
 
     def test_rods_are_as_thick_as_they_are(self):
         """A round rod and a rectangular one, whose corners are in any order."""
@@ -544,6 +574,9 @@ class Plots(WithResult):
         self.assertEqual((x[0], y[0]), ("time [ms]", "force of wall in z [mN]"))
         self.assertIn("\u221220", y)
         self.assertEqual(axes_of(["tip_ux"])[1][1][0], "displacement of tip in x [m]")
+        for joint, moves, unit in (("slide", "travel", "N"), ("knee", "angle", "N m")):
+            history |= {f"{joint}_{moves}": np.zeros(4), f"{joint}_effort": np.linspace(0, 2, 4)}
+            self.assertEqual(axes_of([f"{joint}_effort"])[1][1][0], f"effort of {joint} [{unit}]")
         figure, shown = axes_of(["wall_fz", "hinge_tx"])
         self.assertEqual([label for label, *_ in shown], ["time [ms]", "force of wall in z [mN]", "time [ms]", "torque of hinge about x [kN m]"])
         self.assertEqual(len(figure.axes), 2)

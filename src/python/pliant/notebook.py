@@ -87,8 +87,13 @@ def run_in_a_line(run: "Run") -> str:
 # ------------------------------------------------------------------------------------------------------------ as HTML
 
 
-def unit_of(column: str) -> str:
-    """The unit of a column of the history, as docs/output.md has it; empty if it is a number or unknown."""
+def unit_of(column: str, history: "Iterable[str]" = ()) -> str:
+    """The unit of a column of the history, as docs/output.md has it; empty if it is a number or unknown. `history`: all of its columns, which
+    say whether a joint is a hinge or a slider."""
+    for ending, of_angle, of_travel in (("_effort", "N m", "N"), ("_rate", "rad/s", "m/s")):
+        if column.endswith(ending):
+            joint = column[: -len(ending)]
+            return of_angle if f"{joint}_angle" in history else of_travel if f"{joint}_travel" in history else ""
     if column.endswith(("_energy", "_work", "_dissipation")) or column.startswith("dissipated_") or column in (
             "load_potential", "energy_balance_error"):
         return "J"
@@ -162,7 +167,7 @@ def history_rows(history: "History") -> "list[tuple[str, str]]":
 def history_as_html(history: "History") -> str:
     rows = [("file", history.file), ("rows", f"{len(history.time):,}, {of_times(history.time, history.file)}"), *history_rows(history)]
     counts = instants(history.file) != "t"
-    columns = [(name, "" if counts and name in ("time", "dt") else unit_of(name), *(number(f(history[name])) for f in (lambda v: v[0], lambda v: v[-1], np.min, np.max)))
+    columns = [(name, "" if counts and name in ("time", "dt") else unit_of(name, history), *(number(f(history[name])) for f in (lambda v: v[0], lambda v: v[-1], np.min, np.max)))
                for name in history if name not in COUNTED]
     every = table(("column", "unit", "first", "last", "smallest", "largest"), columns)
     return card("History", rows, picture_of_history(history), folded(f"all {len(columns)} columns", every))

@@ -9,7 +9,7 @@ from .page import decimals_of, prefixed
 # Endings of the columns of a history with a direction after them, and without one, and what they are.
 OF_DIRECTIONS = (("_f", "force of {} in {}"), ("_t", "torque of {} about {}"), ("_j", "impulse of {} in {}"), ("_v", "velocity of {} in {}"),
                  ("_u", "displacement of {} in {}"), ("_", "position of {} in {}"))
-OTHERS = (("_pressure", "pressure in {}"), *((f"_{what}", f"{what} of {{}}") for what in ("volume", "length", "travel", "tension", "force", "angle")))
+OTHERS = (("_pressure", "pressure in {}"), *((f"_{what}", f"{what} of {{}}") for what in ("volume", "length", "travel", "tension", "force", "angle", "effort")))
 VOLUMES = (("mm³", 1e-9), ("cm³", 1e-6), ("m³", 1.0))
 
 

@@ -123,7 +123,7 @@ def _clipped(triangles, height):
 
 def _section_of(mesh, cells, cut):
     """(triangles, cell, points, outlines): the polygons in which the plane cuts tetrahedra, seen counterclockwise from above; `points`
-    are pairs of nodes and shares."""
+    are pairs of nodes and shares; `outlines` are the sides of elements."""
     stand_ins = np.isin(np.array(mesh.body_names), [*mesh.masses, *mesh.rods, *mesh.sections, *mesh.shells])
     cells = cells[~stand_ins[mesh.body[cells]]]
     nodes, owner = mesh.cells[cells], cells
@@ -140,11 +140,12 @@ def _section_of(mesh, cells, cut):
         owners.append(owner[chosen])
     points, number = _crossings(np.vstack([sides.reshape(-1, 2) for sides in polygons]), height)
     x = _between(mesh.coordinates, *points)
-    triangles, of_cells, outlines, start = [], [], [], 0
+    triangles, of_cells, outlines, of_outlines, start = [], [], [], [], 0
     for sides, of_cell in zip(polygons, owners):
         corners = number[start:start + sides.shape[0] * sides.shape[1]].reshape(sides.shape[:2])
         start += corners.size
         outlines += [corners[:, [k, k - 1]] for k in range(corners.shape[1])]
+        of_outlines += [of_cell] * corners.shape[1]
         for k in range(1, corners.shape[1] - 1):
             triangles.append(corners[:, [0, k, k + 1]])
             of_cells.append(of_cell)
@@ -152,4 +153,10 @@ def _section_of(mesh, cells, cut):
     a, b, c = (x[triangles[:, k]] for k in range(3))
     turned = np.cross(b - a, c - a) @ cut.normal < 0
     triangles[turned] = triangles[turned][:, ::-1]
-    return triangles, np.concatenate(of_cells), points, np.vstack(outlines)
+    return triangles, np.concatenate(of_cells), points, _once_in_a_cell(np.vstack(outlines), np.concatenate(of_outlines))
+
+
+def _once_in_a_cell(outlines, cell):
+    """Without those between two of the tetrahedra that make a quadratic one."""
+    _, first, count = np.unique(np.column_stack([cell, np.sort(outlines, axis=1)]), axis=0, return_index=True, return_counts=True)
+    return outlines[np.sort(first[count == 1])]

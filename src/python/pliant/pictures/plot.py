@@ -13,7 +13,7 @@ from pliant.notebook import unit_of
 from ..command_line import Parser, exit_code
 from .analysis import counted
 from .axes import column_in_words, use_handy_units
-from .quantity import quantity_of
+from .columns import title_of_entry, unit_of_entry
 
 COLOURS = ["#3b6fb6", "#d1603d", "#3f9c6b", "#8a63b8", "#c79a2b", "#4aa5b5", "#b5507c", "#6d7580"]
 STYLE = {
@@ -122,21 +122,22 @@ def draw_forces(axes, time, history, names):
 # Columns of cavities, tendons, springs and joints: their ending, the title over them, and what they are.
 MECHANISMS = (("_pressure", "Pressure in cavities", "gauge pressure [Pa]"), ("_volume", "Volume of cavities", "volume [m³]"),
               ("_tension", "Tension of tendons", "tension [N]"), ("_force", "Force of springs", "force [N]"),
-              ("_angle", "Angles of joints", "angle [rad]"), ("_travel", "Travel of joints", "travel [m]"),
-              ("_effort", "Efforts of motors", "effort [N m, of sliders N]"))
+              ("_length", "Length of tendons and springs", "length [m]"), ("_angle", "Angles of joints", "angle [rad]"),
+              ("_travel", "Travel of joints", "travel [m]"), ("_effort", "Torques of motors", "torque [N m]"), ("_effort", "Forces of motors", "force [N]"))
 
 
 def of_mechanisms(history, taken):
     """Drawings of these columns, of those that vary."""
     for ending, title, label in MECHANISMS:
-        lines = {name.removesuffix(ending): history[name] for name in history if name.endswith(ending) and name not in taken}
+        lines = {name.removesuffix(ending): history[name] for name in history if name.endswith(ending) and name not in taken
+                 and (ending != "_effort" or label.endswith(f"[{unit_of(name, history)}]"))}
         if any(changes(values) for values in lines.values()):
             yield lambda axes, time, h, parts=(title, label, lines): draw_lines(axes, time, *parts)
 
 
 def draw_column(axes, time, history, name, title):
     what, unit = title
-    axes.set_title(what)
+    axes.set_title(what[0].upper() + what[1:])
     axes.plot(time, history[name], color=COLOURS[3])
     axes.set_ylabel(f"{name} [{unit}]" if unit else name)
 
@@ -173,25 +174,12 @@ def draw_time_step(axes, time, history):
     axes.set_ylabel("dt [s]" if "load_factor" not in history else "dt")
 
 
-def words(field):
-    return field.replace("_", " ").replace("von mises", "von Mises").replace("cauchy", "Cauchy")
-
-
-def unit_of_entry(directory, entry):
-    """That of a column of `output.history`; empty if it is not known here, as of integrals."""
-    try:
-        return "" if entry["take"] == "integral" else quantity_of(Result(directory), entry["of"]).unit
-    except (PliantError, OSError, KeyError):  # a field that the frames do not have
-        return ""
-
-
 def columns_from_fields(directory):
     """Names of the columns of `output.history`; of each what it is, and its unit."""
     try:
         with open(os.path.join(directory, "run.yaml"), encoding="utf-8") as file:
-            entries = yaml.safe_load(file)["output"]["history"]
-        return {entry["name"]: (f"{entry['take']} of {words(entry['of'])}" + (f" in {entry['in']}" if "in" in entry else ""),
-                                unit_of_entry(directory, entry)) for entry in entries}
+            given = yaml.safe_load(file)
+        return {entry["name"]: (title_of_entry(entry), unit_of_entry(given, entry)) for entry in given["output"]["history"]}
     except (OSError, KeyError, TypeError, yaml.YAMLError):  # a history alone, or a run without such columns
         return {}
 
@@ -222,24 +210,24 @@ def panels(history, taken):
     return chosen
 
 
-def unit_of_column(name, taken):
-    return taken[name][1] if name in taken else unit_of(name)
+def unit_of_column(name, taken, history):
+    return taken[name][1] if name in taken else unit_of(name, history)
 
 
 def chosen_columns(history, names, taken, x):
     """Drawings of the columns that are named: those of one unit in one, over the column `x` or over time."""
     by_unit = {}
     for name in names:
-        by_unit.setdefault(unit_of_column(name, taken) or name, []).append(name)
+        by_unit.setdefault(unit_of_column(name, taken, history) or name, []).append(name)
     for unit, columns in by_unit.items():
         def draw_them(axes, time, h, unit=unit, columns=columns):
             for name in columns:
-                axes.plot(h[x] if x else time, h[name], label=column_in_words(name, unit_of_column(name, taken)))
-            axes.set_ylabel(labelled(columns[0], unit_of_column(columns[0], taken)) if len(columns) == 1 else f"[{unit}]")
+                axes.plot(h[x] if x else time, h[name], label=column_in_words(name, unit_of_column(name, taken, h)))
+            axes.set_ylabel(labelled(columns[0], unit_of_column(columns[0], taken, h)) if len(columns) == 1 else f"[{unit}]")
             if len(columns) > 1:
                 show_legend(axes)
             if x:
-                axes.set_xlabel(labelled(x, unit_of_column(x, taken)))
+                axes.set_xlabel(labelled(x, unit_of_column(x, taken, h)))
         yield draw_them
 
 

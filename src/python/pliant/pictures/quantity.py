@@ -52,7 +52,7 @@ def quantity_of(result, name):
         components = components_of(base, field)
         if suffix not in components:
             raise PliantError(f"the field '{base}' has no component '{suffix}'; it has {', '.join(components) or 'only one'}")
-        return Quantity(base, components.index(suffix), f"{_words(base)} {suffix}", field.unit, [], "" if base.startswith(PRINCIPAL) else suffix)
+        return Quantity(base, components.index(suffix), f"{words_of(base)} {suffix}", field.unit, [], "" if base.startswith(PRINCIPAL) else suffix)
     field = frame.field(name)
     if name == "body":
         drawn = frame.mesh.bodies_with_surface
@@ -65,7 +65,7 @@ def quantity_of(result, name):
         raise PliantError(f"'{name}' is a tensor: choose a component such as {name}_{example}, or von_mises_stress")
     if name.startswith(PRINCIPAL):
         raise PliantError(f"'{name}' has three values: choose {name}_1 (the largest), {name}_2 or {name}_3")
-    return Quantity(name, -1 if components == 3 else 0, _words(name), field.unit, [])
+    return Quantity(name, -1 if components == 3 else 0, words_of(name), field.unit, [])
 
 
 def components_of(name, field):
@@ -73,5 +73,12 @@ def components_of(name, field):
     return ["1", "2", "3"] if name.startswith(PRINCIPAL) else COMPONENTS.get(field.values.shape[1], [])
 
 
-def _words(name):
-    return name.replace("_", " ").replace("von mises", "von Mises").replace("cauchy", "Cauchy")
+NAMES = {"von mises": "von Mises", "cauchy": "Cauchy", "first piola kirchhoff": "first Piola-Kirchhoff", "green lagrange": "Green-Lagrange"}
+
+
+def words_of(field):
+    """`first_piola_kirchhoff_stress_xx` as "first Piola-Kirchhoff stress xx"."""
+    words = field.replace("_", " ")
+    for plain, spelt in NAMES.items():
+        words = words.replace(plain, spelt)
+    return words

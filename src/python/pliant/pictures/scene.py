@@ -183,16 +183,20 @@ class Scene:
             data.Modified()
         if self._mechanisms is not None:
             self._mechanisms.set(mechanisms)
-        whole = drawn = self._pixels()
+        whole = self._pixels()
+        drawn = whole.copy()
         if self._obstacles:
             bodies = self._without([actor for _, _, actor in self._obstacles])
-            hidden = (bodies != BACKGROUND).any(axis=2, keepdims=True) & (bodies != whole).any(axis=2, keepdims=True)
-            drawn = np.where(hidden, OBSTACLE_OVER_BODY * whole + (1 - OBSTACLE_OVER_BODY) * bodies, whole)
+            _blend(drawn, bodies, _differ(bodies, BACKGROUND) & _differ(bodies, whole), 1 - OBSTACLE_OVER_BODY)
         if self._mechanisms is not None:
+            # Without smoothing, which would give their rims the colour of the background.
+            self._renderer.UseFXAAOff()
             lines = self._without([actor for actor in self._actors() if actor not in self._mechanisms.actors])
-            share = np.where((lines == whole).all(axis=2, keepdims=True), 1.0, MECHANISM_IN_BODY)
-            drawn = np.where((lines != BACKGROUND).any(axis=2, keepdims=True), share * lines + (1 - share) * drawn, drawn)
-        return drawn.round().astype(np.uint8)
+            self._renderer.UseFXAAOn()
+            is_there, is_hidden = _differ(lines, BACKGROUND), _differ(lines, whole)
+            _blend(drawn, lines, is_there & ~is_hidden, 1.0)
+            _blend(drawn, lines, is_there & is_hidden, MECHANISM_IN_BODY)
+        return drawn
 
     def _actors(self):
         actors = self._renderer.GetActors()
@@ -213,11 +217,23 @@ class Scene:
         grab = vtkWindowToImageFilter()
         grab.SetInput(self._window)
         grab.ReadFrontBufferOff()
+        grab.ShouldRerenderOff()
         grab.Update()
         image = grab.GetOutput()
         width, height, _ = image.GetDimensions()
         pixels = vtk_to_numpy(image.GetPointData().GetScalars()).reshape(height, width, -1)[::-1]
         return pixels[..., :3].copy()
+
+
+def _differ(pixels, others):
+    """Which of them, height x width; `others`: pixels, too, or one colour."""
+    others = np.broadcast_to(np.asarray(others, dtype=np.uint8), pixels.shape)
+    return (pixels[..., 0] != others[..., 0]) | (pixels[..., 1] != others[..., 1]) | (pixels[..., 2] != others[..., 2])
+
+
+def _blend(pixels, others, chosen, share):
+    """Some of the pixels with a share of others, in place."""
+    pixels[chosen] = (share * others[chosen] + (1 - share) * pixels[chosen]).round()
 
 
 def _cell_array(cells):

@@ -157,9 +157,8 @@ class Shown:
         return self._rods_of_mesh[frame.mesh_group]
 
     def sample(self, at_most=60):
-        """Frames from which the camera and the colour scale are taken."""
-        picked = np.unique(np.linspace(0, len(self.frames) - 1, at_most).round().astype(int))
-        return [self.frames[i] for i in picked]
+        """Frames from which the camera is taken."""
+        return _some(self.frames, at_most)
 
     def _require_names(self, frame):
         known = [*frame.mesh.bodies_with_surface, *(frame.obstacles.names if frame.obstacles else [])]
@@ -299,8 +298,8 @@ class Shown:
         if self._options.range is not None:
             return Colours(*self._options.range, self._options.colour_map)
         # A magnitude starts at zero. Cell stresses at a sharp corner are far larger than elsewhere: the uppermost and
-        # lowermost thousandth get the colour of the ends.
-        values = np.concatenate([self._extent_of(frame) for frame in self.sample()])
+        # lowermost thousandth get the colour of the ends. Pictures of one result have the same scale, whichever frame they show.
+        values = np.concatenate([self._extent_of(frame) for frame in _some(self._result.frames, 60)])
         low, high = values.min(initial=np.inf), values.max(initial=-np.inf)
         if len(values) == 0:
             low = high = 0.0
@@ -314,6 +313,12 @@ class Shown:
         if self.by_rods:
             return self._rod_values(frame)
         return _extent(np.concatenate([np.zeros(0), *self._values(frame)]))
+
+
+def _some(frames, at_most):
+    """Evenly chosen ones, with the first and the last."""
+    picked = np.unique(np.linspace(0, len(frames) - 1, at_most).round().astype(int))
+    return [frames[i] for i in picked]
 
 
 def _extent(values):
