@@ -259,16 +259,42 @@ Sensitive FitMaterial::stress_at(const SeededParameters& seeded, Loading loading
   return result;
 }
 
+FitMaterial::SeededParameters FitMaterial::seeded(std::span<const double> all) const {
+  SeededParameters result;
+  for (const std::size_t n : free_) {
+    if (n < num_constants_) result.push_back(dual_parameters(all, n));
+  }
+  if (result.empty()) result.push_back(dual_parameters(all, std::nullopt));
+  return result;
+}
+
+std::vector<std::array<Sensitive, 2>> FitMaterial::stresses_of_law(std::span<const double> all, Loading loading,
+                                                                   std::span<const double> amounts) const {
+  const SeededParameters parameters = seeded(all);
+  const int across = free_entries(loading).front();
+  const Sensitive none{0.0, std::vector<double>(free_.size(), 0.0)};
+  std::vector<std::array<Sensitive, 2>> result(amounts.size(), {none, none});
+  for (std::size_t n = 0; n < amounts.size(); ++n) {
+    const Tensor3<double> H = incompressible_state(loading, amounts[n]);
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+      const auto P = dual_stress(kind_, parameters[k], H);
+      for (const int side : {0, across}) {
+        const Dual<double> stress = ((1.0 + H(0, 0)) / (1.0 + H(side, side))) * P(side, side);
+        Sensitive& of_side = result[n][side == 0 ? 0 : 1];
+        of_side.value = stress.value;
+        if (k < free_.size()) of_side.slopes[k] = stress.slope;
+      }
+    }
+  }
+  return result;
+}
+
 std::vector<Sensitive> FitMaterial::stress(std::span<const double> all, Loading loading,
                                            std::span<const double> amounts) const {
-  SeededParameters seeded;
-  for (const std::size_t n : free_) {
-    if (n < num_constants_) seeded.push_back(dual_parameters(all, n));
-  }
-  if (seeded.empty()) seeded.push_back(dual_parameters(all, std::nullopt));
+  const SeededParameters parameters = seeded(all);
   std::vector<Sensitive> result(amounts.size(), {nan, std::vector<double>(free_.size(), nan)});
   if (is_incompressible_) {
-    for (std::size_t n = 0; n < amounts.size(); ++n) result[n] = incompressible_stress(seeded, loading, amounts[n]);
+    for (std::size_t n = 0; n < amounts.size(); ++n) result[n] = incompressible_stress(parameters, loading, amounts[n]);
     return result;
   }
   // From rest outwards, in tension and in compression.
@@ -279,7 +305,7 @@ std::vector<Sensitive> FitMaterial::stress(std::span<const double> all, Loading 
   LoadingPath tension(spec, loading), compression(spec, loading);
   for (const std::size_t n : order) {
     const auto state = (amounts[n] < 1.0 ? compression : tension).to(amounts[n]);
-    if (state) result[n] = stress_at(seeded, loading, *state);
+    if (state) result[n] = stress_at(parameters, loading, *state);
   }
   return result;
 }

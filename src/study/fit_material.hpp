@@ -8,6 +8,7 @@
 #include "study/fit_config.hpp"
 #include "study/fit_problem.hpp"
 
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
@@ -56,6 +57,11 @@ class FitMaterial {
   /// The stress of the elastic law at rest at each amount [Pa]: the nominal stress of the loading (force per reference
   /// area), or the pressure of volumetric loading. NaN where the law has no such state.
   std::vector<Sensitive> stress(std::span<const double> all, Loading loading, std::span<const double> amounts) const;
+  /// Of an incompressible material with free sides: lambda S_x and lambda S_f at each amount [Pa], with the stresses S
+  /// (second Piola-Kirchhoff) of the law alone, before a pressure, along the specimen and across its free sides, and
+  /// the stretch lambda along it.
+  std::vector<std::array<Sensitive, 2>> stresses_of_law(std::span<const double> all, Loading loading,
+                                                        std::span<const double> amounts) const;
   /// Young's modulus (uniaxial) or the shear modulus (simple_shear) at rest [Pa].
   Sensitive modulus(std::span<const double> all, Loading loading) const;
 
@@ -66,6 +72,7 @@ class FitMaterial {
   std::vector<Dual<double>> dual_parameters(std::span<const double> all, std::optional<std::size_t> seed) const;
   /// Without free constants of the law: one set, whose slopes are 0.
   using SeededParameters = std::vector<std::vector<Dual<double>>>;
+  SeededParameters seeded(std::span<const double> all) const;
   Sensitive incompressible_stress(const SeededParameters& seeded, Loading loading, double amount) const;
   Sensitive stress_at(const SeededParameters& seeded, Loading loading, const LoadedState& state) const;
 

@@ -104,6 +104,44 @@ std::vector<Sensitive> dynamic_moduli(const FitMaterial& material, std::span<con
   return result;
 }
 
+/// x - factor y.
+Sensitive difference(const Sensitive& x, double factor, const Sensitive& y) {
+  Sensitive result = x;
+  result.value -= factor * y.value;
+  for (std::size_t k = 0; k < result.slopes.size(); ++k) result.slopes[k] -= factor * y.slopes[k];
+  return result;
+}
+
+/// The elastic stresses on the way of which study/relaxation.hpp has the weights, as the time needs them.
+class ElasticStresses {
+ public:
+  ElasticStresses(const FitMaterial& material, std::span<const double> all, Loading loading,
+                  const RelaxationHistory& history)
+      : loading_(loading), history_(history) {
+    if (material.is_incompressible() && history.amounts().size() > 1) {
+      of_law_ = material.stresses_of_law(all, loading, history.amounts());
+    } else {
+      at_rest_ = material.stress(all, loading, history.amounts());
+    }
+  }
+
+  std::vector<Sensitive> at(double t) const {
+    if (of_law_.empty()) return at_rest_;
+    const Tensor3<double> H = incompressible_state(loading_, history_.amount_at(t));
+    const int across = free_entries(loading_).front();
+    const double ratio = (1.0 + H(across, across)) / (1.0 + H(0, 0));
+    std::vector<Sensitive> result;
+    for (const auto& [along, aside] : of_law_) result.push_back(difference(along, ratio * ratio, aside));
+    return result;
+  }
+
+ private:
+  Loading loading_;
+  const RelaxationHistory& history_;
+  std::vector<Sensitive> at_rest_;
+  std::vector<std::array<Sensitive, 2>> of_law_;
+};
+
 /// The nominal stress of a specimen that is stretched and held: weights of study/relaxation.hpp times the elastic
 /// stresses on the way, and their derivatives.
 std::vector<Sensitive> relaxing_stress(const FitMaterial& material, std::span<const double> all,
@@ -112,9 +150,10 @@ std::vector<Sensitive> relaxing_stress(const FitMaterial& material, std::span<co
   std::vector<PronyBranch> series;
   for (const Branch& b : branches) series.push_back({b.ratio, b.time});
   const RelaxationHistory history(test.held_amount(), test.config.rate);
-  const auto elastic = material.stress(all, test.config.loading, history.amounts());
+  const ElasticStresses stresses(material, all, test.config.loading, history);
   std::vector<Sensitive> result;
   for (const double t : times) {
+    const auto elastic = stresses.at(t);
     const RelaxationWeights weights = history.weights(t, series);
     Sensitive stress{0.0, std::vector<double>(material.num_free(), 0.0)};
     for (std::size_t j = 0; j < elastic.size(); ++j) {

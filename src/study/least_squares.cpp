@@ -47,7 +47,8 @@ bool is_held(const LeastSquaresProblem& problem, std::span<const double> x, std:
   return (x[j] - problem.lower[j] <= room && gradient >= 0.0) || (problem.upper[j] - x[j] <= room && gradient <= 0.0);
 }
 
-/// The largest cosine of the angle between the residual and a column that can move; 0 if there is no residual.
+/// The largest cosine of the angle between the residual and a column that can move; 0 if there is no residual, or if
+/// what it would change is rounding.
 double orthogonality(const LeastSquaresProblem& problem, std::span<const double> x) {
   const Linearised at(problem, x);
   if (!is_finite(at.r) || !is_finite(at.J)) return nan;
@@ -56,14 +57,18 @@ double orthogonality(const LeastSquaresProblem& problem, std::span<const double>
   for (std::size_t j = 0; j < at.num_columns() && size > problem.error_of_evaluation; ++j) {
     const auto column = at.column(j);
     const double gradient = std::inner_product(column.begin(), column.end(), at.r.begin(), 0.0);
-    if (length(column) > 0.0 && !is_held(problem, x, j, gradient)) {
+    constexpr double rounding = 1e-11;
+    const double squares = length(column) * length(column);
+    const bool moves = std::abs(gradient) > rounding * std::max(1.0, std::abs(x[j])) * squares;
+    if (squares > 0.0 && moves && !is_held(problem, x, j, gradient)) {
       largest = std::max(largest, std::abs(gradient) / (length(column) * size));
     }
   }
   return largest;
 }
 
-/// The problem as PETSc sees it, in parameters whose columns at the start have the length one.
+/// The problem as PETSc sees it, in parameters whose columns at the start have the length one. It has one parameter
+/// more, which is the residual that is added: BNTR (PETSc 3.18) fails where bounds hold all parameters.
 class TaoProblem {
  public:
   TaoProblem(const LeastSquaresProblem& problem, std::span<const double> start) : problem_(problem) {
@@ -78,14 +83,19 @@ class TaoProblem {
   }
 
   Minimum solve(std::span<const double> start) {
-    const auto n = static_cast<PetscInt>(problem_.num_residuals);
-    const auto p = static_cast<PetscInt>(problem_.num_parameters());
+    const auto n = static_cast<PetscInt>(problem_.num_residuals) + 1;
+    const auto p = static_cast<PetscInt>(problem_.num_parameters()) + 1;
     Handle<Vec> x = vector(p), r = vector(n), lower = vector(p), upper = vector(p);
     Handle<Mat> J;
     check(MatCreateSeqDense(PETSC_COMM_SELF, n, p, nullptr, J.out()));
-    fill(x.get(), [&](std::size_t j) { return start[j] / scale_[j]; });
-    fill(lower.get(), [&](std::size_t j) { return std::max(problem_.lower[j] / scale_[j], PETSC_NINFINITY); });
-    fill(upper.get(), [&](std::size_t j) { return std::min(problem_.upper[j] / scale_[j], PETSC_INFINITY); });
+    const auto is_added = [&](std::size_t j) { return j == scale_.size(); };
+    fill(x.get(), [&](std::size_t j) { return is_added(j) ? 1.0 : start[j] / scale_[j]; });
+    fill(lower.get(), [&](std::size_t j) {
+      return is_added(j) ? PETSC_NINFINITY : std::max(problem_.lower[j] / scale_[j], PETSC_NINFINITY);
+    });
+    fill(upper.get(), [&](std::size_t j) {
+      return is_added(j) ? PETSC_INFINITY : std::min(problem_.upper[j] / scale_[j], PETSC_INFINITY);
+    });
     const Handle<Tao> tao = gauss_newton(problem_.error_of_evaluation);
     check(TaoSetSolution(tao.get(), x.get()));
     check(TaoSetVariableBounds(tao.get(), lower.get(), upper.get()));
@@ -131,6 +141,14 @@ class TaoProblem {
     return result;
   }
 
+  double added(Vec x) const {
+    const PetscScalar* entries = nullptr;
+    check(VecGetArrayRead(x, &entries));
+    const double value = entries[scale_.size()];
+    check(VecRestoreArrayRead(x, &entries));
+    return value;
+  }
+
   /// Residuals and Jacobian come together, and TAO asks for one after the other.
   const Linearised& linearised(Vec x) {
     std::vector<double> at = unscaled(x);
@@ -167,7 +185,8 @@ class TaoProblem {
       const Linearised& at = self.linearised(x);
       const bool exists = is_finite(at.r) && is_finite(at.J);
       constexpr double far = 1e20;  // from anything that a trust region accepts; BNTR gives up at NaN
-      fill(r, [&](std::size_t i) { return exists ? at.r[i] : far; });
+      const double added = self.added(x);
+      fill(r, [&](std::size_t i) { return i == at.r.size() ? added : exists ? at.r[i] : far; });
     });
   }
   static PetscErrorCode jacobian_callback(Tao, Vec x, Mat J, Mat, void* context) {
@@ -176,13 +195,13 @@ class TaoProblem {
       const Linearised& at = self.linearised(x);
       PetscScalar* entries = nullptr;  // by columns
       check(MatDenseGetArrayWrite(J, &entries));
-      const std::size_t n = at.r.size();
+      const std::size_t n = at.r.size(), p = at.num_columns();
       const bool exists = is_finite(at.r) && is_finite(at.J);
-      for (std::size_t j = 0; j < at.num_columns(); ++j) {
-        for (std::size_t i = 0; i < n; ++i) {
-          entries[j * n + i] = exists ? at.J[i * at.num_columns() + j] * self.scale_[j] : 0.0;
-        }
+      std::fill_n(entries, (n + 1) * (p + 1), 0.0);
+      for (std::size_t j = 0; j < p && exists; ++j) {
+        for (std::size_t i = 0; i < n; ++i) entries[j * (n + 1) + i] = at.J[i * p + j] * self.scale_[j];
       }
+      entries[p * (n + 1) + n] = 1.0;
       check(MatDenseRestoreArrayWrite(J, &entries));
       check(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
       check(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));

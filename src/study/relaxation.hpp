@@ -2,8 +2,9 @@
 ///
 /// With S_e(t) the stress of the elastic law along x (second Piola-Kirchhoff), whose sides are free at all times,
 ///     S(t) = S_e(t) + sum_i g_i int_0^t exp(-(t - s)/tau_i) dS_e(s),
-/// so that the free sides remain free and the specimen deforms as the elastic law alone would. The nominal stress is
-/// the stretch times S (for simple shear, which is only applied at once, the nominal stress itself relaxes). Integrated
+/// so that the free sides remain free and the specimen deforms as the elastic law alone would. In an incompressible
+/// body the branches follow the law's stresses alone, along x and across the free sides, S_x and S_f, and the pressure
+/// takes the traction from these: S(t) = S_x(t) - (lambda_f/lambda)^2 S_f(t). The nominal stress is the stretch times S (for simple shear, which is only applied at once, the nominal stress itself relaxes). Integrated
 /// by parts,
 ///     int_0^t exp(-(t - s)/tau) dS_e = S_e(t) - 1/tau int_0^t exp(-(t - s)/tau) S_e(s) ds,
 /// which is linear in S_e: weights times its values at some stretches. Source: Simo, Comput. Methods Appl. Mech. Eng.
@@ -37,7 +38,9 @@ class RelaxationHistory {
   /// Where the elastic stress has to be known: Chebyshev's points between rest and the amount, which interpolate it to
   /// rounding; of a sudden stretch the amount alone.
   std::span<const double> amounts() const { return amounts_; }
-  /// At the time t >= 0 [s] after the stretch begins.
+  /// The amount at the time t >= 0 [s] after the stretch begins.
+  double amount_at(double t) const;
+  /// At the time t.
   RelaxationWeights weights(double t, std::span<const PronyBranch> branches) const;
 
  private:
@@ -45,7 +48,6 @@ class RelaxationHistory {
     std::vector<double> value, by_time;
   };
   Convolution convolution(double t, double relaxation_time) const;
-  double amount_at(double t) const;
   /// Adds `factor` times S_e at the time t on the way, as interpolated, to the weights of the nominal stresses.
   void add_stress(double t, double factor, std::vector<double>& weights) const;
 

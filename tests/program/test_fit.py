@@ -7,7 +7,7 @@ import unittest
 import numpy as np
 import yaml
 
-from program import ROOT, ProgramTest, long_test, write_cube
+from program import ROOT, ProgramTest, long_test, write_box, write_cube
 
 DATA = ROOT / "input/data"
 UNIAXIAL, EQUIBIAXIAL, PURE_SHEAR = (DATA / f"treloar_{name}.csv" for name in ("uniaxial", "equibiaxial", "pure_shear"))
@@ -172,7 +172,8 @@ class MadeData(Fit):
         self.assertAlmostEqual(parameters["shear_modulus"][0] / 2e5, 1, delta=1e-6)
 
     def test_relaxation_after_a_ramp(self):
-        # S = mu (1 - l^-3) of a bar, H' + H/tau = g S', by the trapezoidal rule in many steps.
+        # The law's own stresses along the bar and across it, S = mu (1 - C^-1), relax by H' + H/tau = g S'; then the pressure
+        # takes the traction from the sides.
         from scipy.integrate import quad
         rate, end, mu = 0.4, 1.8, 2e5
         duration = (end - 1) / rate
@@ -180,15 +181,59 @@ class MadeData(Fit):
         stress = []
         for t in time:
             held = 1 + rate * min(t, duration)
-            total = mu * (1 - held**-3)
+            along, across = mu * (1 - held**-2), mu * (1 - held)
             for ratio, tau in self.SERIES:
-                total += ratio * quad(lambda s: np.exp((s - t) / tau) * 3 * mu * (1 + rate * s)**-4 * rate, 0, min(t, duration),
-                                      epsabs=1e-9, epsrel=1e-12)[0]
-            stress.append(held * total)
+                for_side = [quad(lambda s, slope=slope: np.exp((s - t) / tau) * slope(1 + rate * s) * rate, 0, min(t, duration),
+                                 epsabs=1e-9, epsrel=1e-12)[0] for slope in (lambda l: 2 * mu * l**-3, lambda l: -mu)]
+                along += ratio * for_side[0]
+                across += ratio * for_side[1]
+            stress.append(held * (along - held**-3 * across))
         self.table("held.csv", "time,stress", time, stress)
         _, parameters, _ = self.fit("material: {model: neo-hookean, incompressible: true}\nviscosity: {model: prony, terms: 2}\n"
                                     f"tests: [{{kind: relaxation, data: held.csv, stretch: {end}, rate: {rate}}}]\n")
         self.check_series(parameters)
+
+    def test_relaxation_of_the_body_that_was_fitted(self):
+        # The table of a run, whose steps are short, leads back to its branches.
+        write_box(self.directory / "cube.msh", (1, 1, 1))
+        sides = "".join(f"  - {{surface: {side}, displacement: [{', '.join('0' if i == k else 'free' for i in range(3))}]}}\n"
+                        for k, side in enumerate(("left", "front", "bottom")))
+        self.write("cube.yaml", f"""mesh: {{file: cube.msh}}
+element: P2
+volumetric: mixed
+bodies:
+  - density: 1
+    elasticity: {{model: mooney-rivlin, c10: 1.5e5, c01: 5e4, incompressible: true}}
+    viscosity: [{{model: prony, ratio: 1, relaxation_time: 0.5}}]
+constraints:
+{sides}  - {{surface: right, displacement: ["min(2*t, 1)", free, free]}}
+time: {{method: quasistatic, step: 5 ms, end: 1}}
+output: {{history: [{{name: P, of: first_piola_kirchhoff_stress_xx, take: mean}}]}}
+""")
+        h = self.run_input("cube.yaml")
+        rows = slice(20, None, 20)
+        self.table("held.csv", "time,stress", h["time"][rows], h["P"][rows])
+        _, parameters, _ = self.fit("material: {model: mooney-rivlin, c10: 1.5e5, c01: 5e4, incompressible: true}\n"
+                                    "viscosity: {model: prony, relaxation_times: [0.5]}\n"
+                                    "tests: [{kind: relaxation, data: held.csv, stretch: 2, rate: 2}]\n")
+        self.assertAlmostEqual(parameters["viscosity.0.ratio"][0], 1, delta=0.01)
+
+    def test_bounds_that_hold_all_constants(self):
+        stretch = np.linspace(1.1, 2, 10)
+        self.table("bar.csv", "stretch,stress", stretch, 4e5 * (stretch - stretch**-2))
+        for bounds, value in (("{shear_modulus: [1 kPa, 2 kPa]}", 2e3), ("{shear_modulus: [1 MPa, 2 MPa]}", 1e6)):
+            _, parameters, done = self.fit("material: {model: neo-hookean, incompressible: true}\n"
+                                           f"tests: [{{kind: uniaxial, data: bar.csv}}]\nbounds: {bounds}\n")
+            self.assertAlmostEqual(parameters["shear_modulus"][0] / value, 1, delta=1e-9)
+
+    def test_exact_data_are_no_reason_to_go_on(self):
+        # The residual of the exact constants is rounding, and the best of all starts.
+        time = np.geomspace(0.005, 60, 40)
+        series = ((0.5, 0.01), (1.0, 0.5), (0.3, 20.0))
+        self.table("held.csv", "time,stress", time, 4e5 * (1.5 - 1.5**-2) * (1 + sum(g * np.exp(-time / tau) for g, tau in series)))
+        _, parameters, _ = self.fit("material: {model: neo-hookean, incompressible: true}\nviscosity: {model: prony, terms: 3}\n"
+                                    "tests: [{kind: relaxation, data: held.csv, stretch: 1.5}]\n")
+        self.assertAlmostEqual(parameters["shear_modulus"][0] / 4e5, 1, delta=1e-9)
 
     def test_dma(self):
         frequency = np.geomspace(0.002, 20, 25)
