@@ -30,7 +30,8 @@ LoadedState response(const LawField& law, const Tensor3<double>& H) {
   return at;
 }
 
-/// Solves P_kk = 0 for the free H_kk; false if it does not converge.
+/// Solves P_kk = 0 for the free H_kk; false if it does not converge. It has converged where what is left of P, or of the
+/// changes of H_kk, is rounding: a large resistance to changes of volume multiplies that in P.
 bool release(const LawField& law, const std::vector<int>& free, Tensor3<double>& H) {
   constexpr int most_iterations = 30;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
@@ -50,10 +51,13 @@ bool release(const LawField& law, const std::vector<int>& free, Tensor3<double>&
       const double r0 = -P(free[0], free[0]), r1 = -P(free[1], free[1]);
       change = {(r0 * a(1, 1) - r1 * a(0, 1)) / determinant, (a(0, 0) * r1 - a(1, 0) * r0) / determinant};
     }
+    bool is_rounding = true;
     for (std::size_t n = 0; n < free.size(); ++n) {
       const int k = free[n];
+      is_rounding = is_rounding && std::abs(change[n]) <= 1e-14 * (1.0 + H(k, k));
       H(k, k) += std::max(change[n], -0.5 * (1.0 + H(k, k)));  // never through zero
     }
+    if (is_rounding) return true;
   }
   return false;
 }
@@ -118,6 +122,9 @@ std::optional<LoadedState> LoadingPath::to(double amount) {
     const double next = from + (amount - from) * n / steps;
     Tensor3<double> H = H_;
     prescribe(H, loading_, next);
+    // Guess: the volume stays.
+    const double side = incompressible_state(loading_, next / amount_)(2, 2) + 1.0;
+    for (const int k : free) H(k, k) = side * (1.0 + H(k, k)) - 1.0;
     if (!release(*law_, free, H)) return std::nullopt;
     H_ = H;
     amount_ = next;
