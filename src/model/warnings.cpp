@@ -96,9 +96,9 @@ bool may_be_mixed(const Config& config) {
   });
 }
 
-/// Whether density and moduli are those of no material, but of a problem without units.
-bool is_without_units(const BodyConfig& body, const Lame& rest) {
-  return body.density == 1.0 && rest.mu < softest_solid;
+/// Whether density and shear modulus are those of no material, but of a problem without units.
+bool is_without_units(double density, double shear_modulus) {
+  return density == 1.0 && shear_modulus < softest_solid;
 }
 
 void check_body(const Config& config, const BodyConfig& body, Warnings& warnings) {
@@ -124,7 +124,7 @@ void check_body(const Config& config, const BodyConfig& body, Warnings& warnings
         fmt::format("with this density shear waves travel at {:.2g} m/s (silicone: 10, steel: 3000); are 'density' and "
                     "the moduli in SI? A number without a unit is in kg/m^3 and Pa",
                     speed));
-  } else if (body.density && !may_be_soft && !is_without_units(body, *rest)) {
+  } else if (body.density && !may_be_soft && !is_without_units(*body.density, rest->mu)) {
     check_density(*body.density, body.where, warnings);
     if (rest->mu < softest_solid && *body.density >= lightest) {
       add(
@@ -241,7 +241,10 @@ std::vector<Diagnostic> warnings_about(const Config& config) {
     check_body(config, body, warnings);
     check_stability(body, warnings);
   }
-  for (const RodConfig& rod : config.rods) check_density(rod.density, rod.where, warnings);
+  for (const RodConfig& rod : config.rods) {
+    const double shear_modulus = 0.5 * rod.youngs_modulus / (1.0 + rod.poissons_ratio);
+    if (!is_without_units(rod.density, shear_modulus)) check_density(rod.density, rod.where, warnings);
+  }
   for (const ShellConfig& shell : config.shells) check_density(shell.density.value_or(0.0), shell.where, warnings);
   check_angles(config, warnings);
   check_gravity(config, warnings);

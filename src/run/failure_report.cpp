@@ -141,10 +141,8 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
     }
     const auto is_unstable = [](const NewtonIteration& it) { return it.hessian != NewtonIteration::Hessian::exact; };
     if (2 * std::ranges::count_if(*iterations, is_unstable) > num_iterations) {
-      result.push_back(
-          fmt::format("the state is unstable (buckling, strong compression): {}, or a dynamic analysis instead of load "
-                      "steps",
-                      report.shorter_steps));
+      result.push_back(fmt::format("the state is unstable (buckling, strong compression): {}{}", report.shorter_steps,
+                                   report.has_load_steps ? ", or a dynamic analysis instead of load steps" : ""));
     }
   }
   result.push_back(fmt::format("{}, weaker or slower loads, a finer or better mesh", report.shorter_steps));

@@ -30,6 +30,16 @@ TEST(Advice, MoreIterationsHelpWhereTheResidualFallsSteadily) {
   EXPECT_FALSE(asks_for(words, report, after({1e3, 500, 100, 90, 80, 75})));
 }
 
+TEST(Advice, ADynamicAnalysisIsForThoseThatHaveNone) {
+  FailureReport report;
+  Failure failure = after({1e3, 500, 100});
+  for (NewtonIteration& iteration : failure.stage->iterations) iteration.hessian = NewtonIteration::Hessian::projected;
+  EXPECT_TRUE(asks_for("the state is unstable", report, failure));
+  EXPECT_FALSE(asks_for("a dynamic analysis", report, failure));
+  report.has_load_steps = true;
+  EXPECT_TRUE(asks_for("or a dynamic analysis instead of load steps", report, failure));
+}
+
 TEST(Advice, SpeaksOfBarriersWhereThereAreSome) {
   FailureReport report;
   report.worst_cells.emplace_back();
