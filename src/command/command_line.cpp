@@ -31,7 +31,13 @@ std::string no_command(const std::string& word, const CLI::App& among, const std
 /// The first word that the command does not take: an option, or else an argument; CLI11 lists all of them backwards.
 std::string no_place_for(const std::vector<std::string>& words, const CLI::App& command) {
   const auto option = std::ranges::find_if(words, [](const std::string& word) { return word.starts_with('-'); });
-  if (option == words.end() && !command.get_subcommands({}).empty()) return no_command(words.front(), command);
+  if (option == words.end() && !command.get_subcommands({}).empty()) {
+    const std::string& word = words.front();
+    const bool is_law = std::ranges::find(elastic_laws(), word, &LawInfo::name) != elastic_laws().end();
+    const bool can_be_plotted = command.get_name() == "materials" && (is_law || find_material(word) != nullptr);
+    return no_command(word, command,
+                      can_be_plotted ? "; to plot a law or a material: pliant materials plot " + word : "");
+  }
   if (option == words.end()) return fmt::format("it takes no argument '{}'", words.front());
   const std::string name = option->substr(0, option->find('='));
   std::vector<std::string> known;

@@ -139,6 +139,20 @@ ExitCode go_on(MPI_Comm comm, const Config& config, Console& console, const Resu
   return resume_with_output(comm, config, console, from);
 }
 
+/// How the run in a directory has ended and how to continue it, in lines. Modes have no history and no end.
+std::string state_of_run(const fs::path& directory) {
+  std::error_code ignored;
+  if (!fs::exists(directory / "history.csv", ignored)) return "";
+  const nlohmann::ordered_json summary = summary_json(directory);
+  const std::string outcome = summary.is_null() ? "" : summary.value("outcome", "");
+  const auto files = checkpoints_in(directory);
+  std::string text = "run: " + (outcome.empty() ? "not ended; it continues, or was killed" : outcome) + "\n";
+  if (files.empty()) return text;
+  text += fmt::format("newest checkpoint: {}", files.front().filename().string());
+  if (outcome == "done") return text + "\n";
+  return text + fmt::format("; to continue: pliant resume {}\n", directory.empty() ? "." : directory.string());
+}
+
 }  // namespace
 
 ExitCode continue_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
@@ -205,7 +219,7 @@ std::string info_text(MPI_Comm comm, const std::string& file) {
   std::string text;
   on_root(comm, [&] {
     const fs::path result = result_file(file);
-    naming(result, [&] { text = describe_result(result); });
+    naming(result, [&] { text = describe_result(result) + state_of_run(result.parent_path()); });
   });
   return broadcast(comm, std::move(text));
 }

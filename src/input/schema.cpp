@@ -336,7 +336,7 @@ std::string why_split(const InputNode& list) {
     }
     if (i == 0) continue;
     const InputNode& before = list.children[i - 1];
-    if (has_decimal_comma(before, entry)) {
+    if (has_decimal_comma(before, entry) && before.text.find_first_of(".eE") == std::string::npos) {
       return " (a decimal point is written '.': " + excerpt(before.text) + "." + excerpt(entry.text) + ")";
     }
   }
@@ -345,6 +345,13 @@ std::string why_split(const InputNode& list) {
 
 bool refuse(const InputNode& node, const std::string& name, const std::string& wanted, Diagnostics& diagnostics) {
   diagnostics.add(node.place(), "'" + name + "' must be " + wanted + ", not " + description(node));
+  return false;
+}
+
+bool refuse_short(const InputNode& list, const std::string& name, std::size_t fewest, Diagnostics& diagnostics) {
+  if (fewest == 1) return refuse(list, name, "a list with entries", diagnostics);
+  diagnostics.add(list.place(), "'" + name + "' must be a list of at least " + std::to_string(fewest) +
+                                    " entries, not of " + std::to_string(list.children.size()));
   return false;
 }
 

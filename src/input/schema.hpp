@@ -82,6 +82,9 @@ bool is_part_of_formula(std::string_view text);
 /// Adds "'name' must be ..., not ..." at the node. Returns false, so that a reader can return the result.
 bool refuse(const InputNode& node, const std::string& name, const std::string& wanted, Diagnostics& diagnostics);
 
+/// The same for a list of fewer entries than these.
+bool refuse_short(const InputNode& list, const std::string& name, std::size_t fewest, Diagnostics& diagnostics);
+
 /// Reports keys of a map that are unknown, missing or in conflict. Returns whether the node is a map at all.
 bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& section, Diagnostics& diagnostics);
 
@@ -131,7 +134,7 @@ Format<std::vector<V>> list_of(const Format<V>& entry, std::size_t fewest) {
     if (node.kind != InputNode::Kind::list) {
       return refuse(node, name, "a list (each entry starts with '- ')", diagnostics);
     }
-    if (node.children.size() < fewest) return refuse(node, name, "a list with entries", diagnostics);
+    if (node.children.size() < fewest) return refuse_short(node, name, fewest, diagnostics);
     for (std::size_t i = 0; i < node.children.size(); ++i) {
       into.emplace_back();
       entry.read(node.children[i], name + "[" + std::to_string(i) + "]", diagnostics, into.back());

@@ -165,12 +165,17 @@ void check_rotating_parts(const ConstraintsOnMesh& constraints, const Constraint
   for (const auto& [other, part] : conflicts) {
     const auto* rigid = std::get_if<ConstraintConfig::Rigid>(&config.constraints[part].kind);
     if (rigid != nullptr && rigid->is_implied) {
+      const std::string title = title_of_constraint(config, other), body = title_of_constraint(config, part);
+      const std::string shared =
+          title == body
+              ? " is a rigid body"
+              : fmt::format(" shares nodes with {}{}", body,
+                            rigid->attached.empty() ? ", which is a rigid body" : " or with what is attached to it");
       selections.report(
           config.constraints[other].where,
-          fmt::format("{} shares nodes with {}{}: hold or move the rigid body as a whole, by a constraint `rigid` on "
-                      "its volume, or by a joint",
-                      title_of_constraint(config, other), title_of_constraint(config, part),
-                      rigid->attached.empty() ? ", which is a rigid body" : " or with what is attached to it"));
+          fmt::format("{}{}: hold or move the rigid body as a whole, by a constraint `rigid` on its volume, or by a "
+                      "joint",
+                      title, shared));
       continue;
     }
     selections.report(config.constraints[part].where,

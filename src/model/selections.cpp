@@ -331,7 +331,14 @@ std::vector<char> Selections::cells(const Selection& part) {
 }
 
 void Selections::throw_if_errors() const {
-  if (!errors_.empty()) throw InputError(errors_);
+  if (errors_.empty()) return;
+  // What several keys refer to is missing once.
+  std::vector<Diagnostic> once;
+  for (const Diagnostic& error : errors_) {
+    const auto is_same = [&](const Diagnostic& other) { return to_string(other) == to_string(error); };
+    if (std::ranges::none_of(once, is_same)) once.push_back(error);
+  }
+  throw InputError(std::move(once));
 }
 
 std::vector<Diagnostic> Selections::unused_groups() const {

@@ -145,18 +145,32 @@ class Membership {
   std::vector<std::uint64_t> masks_;
 };
 
-bool may_touch(std::uint64_t a, std::uint64_t b, std::size_t num_excluded) {
+/// Whether facets with the bits a are on one side and those with the bits b on the other.
+bool are_on(std::uint64_t a, std::uint64_t b, int one, int other) {
   const auto has = [](std::uint64_t mask, int bit) { return (mask >> bit & 1) != 0; };
-  const auto are = [&](int one, int other) { return (has(a, one) && has(b, other)) || (has(b, one) && has(a, other)); };
-  for (std::size_t k = 0; k < num_excluded; ++k) {
-    const int one = first_excluded + 2 * static_cast<int>(k);
-    if (are(one, one + 1)) return false;
-  }
-  return are(first_side, second_side) || are(first_side, rest_of_second) || are(second_side, rest_of_first);
+  return (has(a, one) && has(b, other)) || (has(b, one) && has(a, other));
 }
 
+bool is_excluded(std::uint64_t a, std::uint64_t b, std::size_t num_excluded) {
+  for (std::size_t k = 0; k < num_excluded; ++k) {
+    const int one = first_excluded + 2 * static_cast<int>(k);
+    if (are_on(a, b, one, one + 1)) return true;
+  }
+  return false;
+}
+
+bool may_touch(std::uint64_t a, std::uint64_t b, std::size_t num_excluded) {
+  if (is_excluded(a, b, num_excluded)) return false;
+  return are_on(a, b, first_side, second_side) || are_on(a, b, first_side, rest_of_second) ||
+         are_on(a, b, second_side, rest_of_first);
+}
+
+struct NumExcluded {
+  std::size_t by_input = 0, all = 0;  ///< those of the input come first
+};
+
 /// Facets with the same bits are a set, numbered alike on all ranks. Collective.
-void sort_into_sets(MPI_Comm comm, const std::vector<std::uint64_t>& masks, std::size_t num_excluded,
+void sort_into_sets(MPI_Comm comm, const std::vector<std::uint64_t>& masks, const NumExcluded& excluded,
                     TouchingSurfaces& touching) {
   std::vector<std::uint64_t> kinds = masks;
   std::ranges::sort(kinds);
@@ -174,7 +188,8 @@ void sort_into_sets(MPI_Comm comm, const std::vector<std::uint64_t>& masks, std:
   }
   for (const std::uint64_t a : kinds) {
     for (const std::uint64_t b : kinds) {
-      touching.sets.may_touch.push_back(may_touch(a, b, num_excluded) ? 1 : 0);
+      touching.sets.may_touch.push_back(may_touch(a, b, excluded.all) ? 1 : 0);
+      touching.may_pass.push_back(is_excluded(a, b, excluded.by_input) ? 1 : 0);
     }
   }
 }
@@ -328,7 +343,7 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
       masks.push_back(membership[facet]);
     }
     if (touching.law == NormalKind::penalty) require_solids(config, touching, bodies, selections);
-    sort_into_sets(layout.comm, masks, num_excluded, touching);
+    sort_into_sets(layout.comm, masks, {config.exclude.size(), num_excluded}, touching);
     result.push_back(std::move(touching));
   }
   return result;
@@ -389,8 +404,9 @@ std::vector<char> components_kept_apart(MPI_Comm comm, const Components& compone
         for (std::size_t t = 0; t < num_sets; ++t) {
           if (of_sets[a * num_sets + s] == 0.0 || of_sets[b * num_sets + t] == 0.0) continue;
           const bool may_touch = entry.sets(static_cast<int>(s), static_cast<int>(t));
-          some = some || may_touch;
-          all = all && may_touch;
+          const bool counts = may_touch || entry.may_pass[s * num_sets + t] != 0;
+          some = some || counts;
+          all = all && counts;
         }
       }
       // A penalty does not part what is of one body.

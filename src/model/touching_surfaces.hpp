@@ -33,6 +33,7 @@ struct TouchingSurfaces {
   FacetList facets;
   std::vector<FacetSide> sides;                     ///< of each facet; its set is one of `sets`
   ContactSets sets;                                 ///< which may touch
+  std::vector<char> may_pass;                       ///< of each two sets, by rows: `contact.exclude` lets them
   std::vector<std::array<bool, 2>> set_is_on_side;  ///< of each set: it is of `surface`, of `with` of the entry; of
                                                     ///< neither is the rest of a body in contact by a penalty
   std::vector<char> set_is_mirror;                  ///< of each set: mark_planes_of_symmetry; empty: none is
@@ -59,8 +60,8 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
 /// their corners are prescribed, and one is free otherwise. `prescribed`: one flag per local entry. Not collective.
 void mark_planes_of_symmetry(const NodeLayout& layout, std::span<const char> prescribed, TouchingSurfaces& touching);
 
-/// For each two components whether contact keeps them apart, by rows: all their outer facets may touch each other, or,
-/// with a penalty, which knows the whole surfaces, some. Collective.
+/// For each two components whether contact keeps them apart, or the input lets them pass by `contact.exclude`, by rows:
+/// all their outer facets may touch each other, or, with a penalty, which knows the whole surfaces, some. Collective.
 std::vector<char> components_kept_apart(MPI_Comm comm, const Components& components,
                                         std::span<const TouchingSurfaces> touching);
 

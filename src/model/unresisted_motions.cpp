@@ -39,7 +39,10 @@ const RigidBodyConfig* free_body(const Config& config, const std::string& name) 
     const bool has_rates = analysis_of(config) == Analysis::quasistatic;  // or dampers and friction exert nothing
     const bool resists_rates = joint.damping.value_or(0.0) > 0.0 || joint.friction.value_or(0.0) > 0.0 ||
                                (joint.bearing && joint.bearing->friction > 0.0);
-    const bool has_effort = joint.spring || joint.motor || joint.limits || (has_rates && resists_rates);
+    // A given effort resists nothing.
+    const bool motor_resists =
+        joint.motor && (joint.motor->stiffness > 0.0 || (has_rates && joint.motor->damping > 0.0));
+    const bool has_effort = joint.spring || motor_resists || joint.limits || (has_rates && resists_rates);
     if (has_effort && std::ranges::find(joint.between, name) != joint.between.end()) return nullptr;
   }
   return &*body;
@@ -68,7 +71,11 @@ std::string in_words(Vector direction) {
 std::optional<Diagnostic> find_unresisted_motion(const Config& config, const ConnectedBodies& bodies) {
   // Without loads, as for the modes of vibration about a state at rest, bodies stay where they are.
   const auto is_driving = [](const LoadConfig& load) { return !foundation_of(load); };
-  if (analysis_of(config) == Analysis::dynamic || std::ranges::none_of(config.loads, is_driving)) return std::nullopt;
+  const auto is_driven = [](const JointConfig& joint) { return joint.motor.has_value(); };
+  if (analysis_of(config) == Analysis::dynamic) return std::nullopt;
+  if (std::ranges::none_of(config.loads, is_driving) && std::ranges::none_of(config.joints, is_driven)) {
+    return std::nullopt;
+  }
   std::vector<const RigidBodyConfig*> found;
   for (const std::string& name : bodies.names) found.push_back(free_body(config, name));
   const auto first = std::ranges::find_if(found, [](const auto* body) { return body != nullptr; });

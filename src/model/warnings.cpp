@@ -68,15 +68,41 @@ void check_time(const Config& config, Warnings& warnings) {
 constexpr double slowest_shear_wave = 0.05;  // [m/s]; of the softest gels
 constexpr double softest_gel = 0.5;          // shear modulus [Pa]
 constexpr double no_stiffness = 1e-4;        // shear modulus of bodies that are meant to be purely viscous [Pa]
-constexpr double fastest_shear_wave = 1e4;   // [m/s]; of diamond 12000, of steel 3200
-constexpr double longest_body = 50.0;        // [m]
-constexpr double locking_ratio = 0.49;       // Poisson's, of linear elements
+constexpr double softest_solid = 150.0;      // shear modulus [Pa]; of brain 1e3, of silicone 1e5
+constexpr double lightest = 20.0, heaviest = 25000.0;  // [kg/m^3]; foam 30, osmium 22600
+constexpr double fastest_shear_wave = 1e4;             // [m/s]; of diamond 12000, of steel 3200
+constexpr double longest_body = 50.0;                  // [m]
+constexpr double locking_ratio = 0.49;                 // Poisson's, of linear elements
 /// Stretches that runs of soft bodies reach; a law may become unstable beyond them without a word.
 constexpr double strongest_compression = 0.3, largest_stretch = 4.0;
 /// Stretches of tissue, which laws with fibres describe.
 constexpr double strongest_compression_of_tissue = 0.7, largest_stretch_of_tissue = 1.4;
 
+/// Warns of densities that no solid has: a unit is forgotten, or one too many.
+void check_density(double density, const Location& where, Warnings& warnings) {
+  if (density == 0.0 || (density >= lightest && density <= heaviest)) return;
+  const double meant = density < lightest ? 1e3 * density : 1e-3 * density;
+  const bool is_likely = meant >= lightest && meant <= heaviest;
+  warnings.add(
+      where, fmt::format("the density is {:.4g} kg/m^3, and solids have 20 (foam) to 22600 (osmium); {}", density,
+                         is_likely ? fmt::format("is {:.4g} kg/m^3 meant, which is {:.4g} g/cm^3?", meant, 1e-3 * meant)
+                                   : "a number without a unit is in kg/m^3"));
+}
+
+/// Whether the laws of all bodies have the volumetric part that `volumetric: mixed` needs.
+bool may_be_mixed(const Config& config) {
+  return std::ranges::all_of(config.bodies, [](const BodyConfig& body) {
+    return !body.elasticity || volumetric_form_of(ElasticityRule(*body.elasticity).kind());
+  });
+}
+
+/// Whether density and shear modulus are those of no material, but of a problem without units.
+bool is_without_units(double density, double shear_modulus) {
+  return density == 1.0 && shear_modulus < softest_solid;
+}
+
 void check_body(const Config& config, const BodyConfig& body, Warnings& warnings) {
+  if (body.is_rigid && body.density) check_density(*body.density, body.where, warnings);
   if (!body.elasticity) return;
   const ElasticityRule rule(*body.elasticity);
   if (!rule.is_uniform()) return;
@@ -98,6 +124,14 @@ void check_body(const Config& config, const BodyConfig& body, Warnings& warnings
         fmt::format("with this density shear waves travel at {:.2g} m/s (silicone: 10, steel: 3000); are 'density' and "
                     "the moduli in SI? A number without a unit is in kg/m^3 and Pa",
                     speed));
+  } else if (body.density && !may_be_soft && !is_without_units(*body.density, rest->mu)) {
+    check_density(*body.density, body.where, warnings);
+    if (rest->mu < softest_solid && *body.density >= lightest) {
+      add(
+          fmt::format("the shear modulus at rest is {:.3g} Pa, that of the softest gels (silicone: 1e5 Pa, brain: 1e3 "
+                      "Pa); a number without a unit is in Pa: is MPa or kPa meant?",
+                      rest->mu));
+    }
   }
   const double ratio = poissons_ratio(*rest);
   const auto is_ratio = [](const GivenConstant& c) { return c.key == "poissons_ratio"; };
@@ -109,10 +143,10 @@ void check_body(const Config& config, const BodyConfig& body, Warnings& warnings
   }
   if (ratio >= locking_ratio && config.element == ElementOrder::p1 &&
       config.volumetric == VolumetricTreatment::standard) {
-    add(
-        fmt::format("Poisson's ratio is {:.4g}, and linear elements lock (are far too stiff) where it is near 1/2; use "
-                    "'volumetric: mixed'",
-                    ratio));
+    add(fmt::format(
+        "Poisson's ratio is {:.4g}, and linear elements lock (are far too stiff) where it is near 1/2; use "
+        "{}",
+        ratio, may_be_mixed(config) ? "'volumetric: mixed'" : "'element: P2' and 'volumetric: mean-dilatation'"));
   }
 }
 
@@ -207,6 +241,11 @@ std::vector<Diagnostic> warnings_about(const Config& config) {
     check_body(config, body, warnings);
     check_stability(body, warnings);
   }
+  for (const RodConfig& rod : config.rods) {
+    const double shear_modulus = 0.5 * rod.youngs_modulus / (1.0 + rod.poissons_ratio);
+    if (!is_without_units(rod.density, shear_modulus)) check_density(rod.density, rod.where, warnings);
+  }
+  for (const ShellConfig& shell : config.shells) check_density(shell.density.value_or(0.0), shell.where, warnings);
   check_angles(config, warnings);
   check_gravity(config, warnings);
   return std::move(warnings).found();
@@ -345,7 +384,7 @@ std::optional<Diagnostic> warning_about_pressures(const Config& config) {
 
 std::vector<Diagnostic> warnings_about_iterations(const Config& config, double iterations) {
   constexpr double many = 10.0;
-  if (iterations <= many || config.volumetric == VolumetricTreatment::mixed) return {};
+  if (iterations <= many || config.volumetric == VolumetricTreatment::mixed || !may_be_mixed(config)) return {};
   for (const BodyConfig& body : config.bodies) {
     if (!body.elasticity) continue;
     const ElasticityRule rule(*body.elasticity);

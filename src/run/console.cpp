@@ -48,6 +48,7 @@ void Console::print(const std::string& line) {
 
 void Console::warn(const std::string& line) {
   if (!speaks_) return;
+  warnings_.push_back(line);
   clear_progress();
   fmt::print(stderr, "warning: {}\n", line);
 }

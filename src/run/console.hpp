@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 
 #include <string>
+#include <vector>
 
 #include <mpi.h>
 
@@ -27,6 +28,8 @@ class Console {
   /// Prints a line that the next one replaces; only on a terminal.
   void progress(const std::string& line);
   bool is_terminal() const { return is_terminal_; }
+  /// All warnings so far, in their order; on rank 0.
+  const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
   void clear_progress();
@@ -35,6 +38,7 @@ class Console {
   bool quiet_;
   bool is_terminal_;
   bool progress_shown_ = false;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace pliant

@@ -33,6 +33,19 @@ Expression ramp(double from, double to, const Step& step) {
   return Expression(fmt::format("(1 - {0}) * ({1}) + {0} * ({2})", part, format_number(from), format_number(to)));
 }
 
+/// The input with changes, whose errors do not name an option of the command line.
+Config read_changed(const std::string& text, const std::string& file, const std::vector<Override>& changes) {
+  try {
+    return read_input(text, file, changes);
+  } catch (const InputError& error) {
+    std::vector<Diagnostic> errors = error.diagnostics();
+    for (Diagnostic& one : errors) {
+      if (one.where.file.starts_with("--set ")) one.where.file.erase(0, 2);
+    }
+    throw InputError(std::move(errors));
+  }
+}
+
 std::string keys_of(const std::vector<Override>& changes) {
   std::string keys;
   for (const Override& change : changes) keys += (keys.empty() ? "" : ", ") + change.path;
@@ -46,7 +59,7 @@ DrivenSimulation::DrivenSimulation(MPI_Comm comm, const DrivenInput& input)
       text_(input.text),
       file_(input.file),
       changes_(input.changes),
-      given_(read_input(text_, file_, changes_)),
+      given_(read_changed(text_, file_, changes_)),
       config_(given_),
       formulas_(replaceable_formulas(config_)) {
   for (const ReplaceableFormula& one : formulas_) {
@@ -194,7 +207,7 @@ void DrivenSimulation::set(const std::vector<Override>& changes) {
     std::erase_if(all, [&](const Override& earlier) { return earlier.path == change.path; });
     all.push_back(change);
   }
-  Config wanted = read_input(text_, file_, all);
+  Config wanted = read_changed(text_, file_, all);
   const auto changed = changed_formulas(wanted, {"set " + keys_of(changes), 0, 0});
   const auto by = replaceable_formulas(wanted), now = replaceable_formulas(given_);
   bool has_new_plan = wanted.time.step != given_.time.step || wanted.time.min_step != given_.time.min_step;

@@ -26,6 +26,12 @@ std::optional<EnergyWatch::Growth> EnergyWatch::growth() const {
   return std::nullopt;
 }
 
+std::optional<EnergyWatch::Loss> EnergyWatch::loss(const Energies& end) const {
+  const Loss loss{end.numerical_dissipation, supplied_};
+  if (!(loss.dissipated > tolerated_loss * supplied_)) return std::nullopt;
+  return loss;
+}
+
 void EnergyWatch::keep(Archive& archive) {
   const Archive::Section section(archive, "energy_watch");
   archive.number("start", start_);

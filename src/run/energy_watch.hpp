@@ -1,4 +1,4 @@
-/// Detects a run with more energy than was supplied, a sign that the steps are too long for the method.
+/// Detects a run with more energy than was supplied, or with much less: the steps are too long for the method.
 #pragma once
 
 #include "run/ledger.hpp"
@@ -28,6 +28,14 @@ class EnergyWatch {
     bool includes_dissipation = false;  ///< with dissipation added, without which there is no growth
   };
 
+  /// A larger fraction of the energy supplied than this is seen in the motion if the method dissipates it [1].
+  static constexpr double tolerated_loss = 0.25;
+  struct Loss {
+    double dissipated = 0.0;  ///< by the method, since the start [J]
+    double supplied = 0.0;    ///< the largest so far [J]
+    double share() const { return dissipated / supplied; }
+  };
+
   /// Starts from the initial state.
   explicit EnergyWatch(const Energies& start)
       : start_(start.kinetic + start.elastic + start.load_potential), supplied_(start.kinetic + start.elastic) {}
@@ -36,6 +44,8 @@ class EnergyWatch {
   void look(const Energies& energies, double time);
   /// nullopt if no energy was created.
   std::optional<Growth> growth() const;
+  /// nullopt if the method has dissipated little. `end`: at the last step examined.
+  std::optional<Loss> loss(const Energies& end) const;
   void keep(Archive& archive);
 
  private:

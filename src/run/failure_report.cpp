@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -44,6 +45,14 @@ const char* name_of(NewtonIteration::Hessian hessian) {
       break;
   }
   return "shifted";
+}
+
+/// Whether the last iterations have lowered the residual one after the other, to the least of all.
+bool is_falling(std::span<const NewtonIteration> iterations) {
+  constexpr std::size_t last = 4;
+  const auto newest = iterations.last(std::min(iterations.size(), last));
+  return std::ranges::is_sorted(newest, std::ranges::greater{}, &NewtonIteration::residual) &&
+         std::ranges::min(iterations, {}, &NewtonIteration::residual).residual == iterations.back().residual;
 }
 
 void add_newton(const FailedStage& stage, std::string& text) {
@@ -99,7 +108,12 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
         "the equilibria past a limit point, and a prescribed motion or a cavity's liquid holds what a force cannot");
   }
   const bool is_whole = !report.worst_cells.empty() && report.worst_cells.front().volume_ratio > nearly_flat;
-  if (stage != nullptr && stage->force_scale == 0.0 && is_whole) {
+  if (stage != nullptr && stage->force_scale == 0.0 && is_whole && !report.has_barriers) {
+    result.push_back(
+        fmt::format("no starting guess fulfils the prescribed motions: {}, slower motions, or formulas "
+                    "without jumps",
+                    report.shorter_steps));
+  } else if (stage != nullptr && stage->force_scale == 0.0 && is_whole) {
     result.push_back(
         fmt::format("no starting guess is clear of all barriers: {}, slower obstacles, or contact.law: penalty",
                     report.shorter_steps));
@@ -118,7 +132,7 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
     const double last = iterations->back().residual;
     const auto num_iterations = static_cast<int>(iterations->size()) - 1;
     const double before = num_iterations > 0 ? (*iterations)[iterations->size() - 2].residual : last;
-    if (num_iterations >= report.max_iterations && last < still_falling * before) {
+    if (num_iterations >= report.max_iterations && last < still_falling * before && is_falling(*iterations)) {
       result.emplace_back("the residual was still falling: a larger solver.newton.max_iterations");
     }
     if (last < nearly_there * stage->tolerance) {
@@ -127,10 +141,8 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
     }
     const auto is_unstable = [](const NewtonIteration& it) { return it.hessian != NewtonIteration::Hessian::exact; };
     if (2 * std::ranges::count_if(*iterations, is_unstable) > num_iterations) {
-      result.push_back(
-          fmt::format("the state is unstable (buckling, strong compression): {}, or a dynamic analysis instead of load "
-                      "steps",
-                      report.shorter_steps));
+      result.push_back(fmt::format("the state is unstable (buckling, strong compression): {}{}", report.shorter_steps,
+                                   report.has_load_steps ? ", or a dynamic analysis instead of load steps" : ""));
     }
   }
   result.push_back(fmt::format("{}, weaker or slower loads, a finer or better mesh", report.shorter_steps));

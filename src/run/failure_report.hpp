@@ -54,6 +54,7 @@ struct FailureReport {
   int max_iterations = 0;
   std::string shorter_steps;    ///< how to ask for shorter steps in the input
   bool has_load_steps = false;  ///< of a static problem, not along a path
+  bool has_barriers = false;
   std::vector<ReportedBody> bodies;
   std::vector<ReportedCell> worst_cells;  ///< the worst first, judged at the last iterate
   std::vector<ReportedNode> worst_nodes;  ///< likewise; empty if the stage is not known

@@ -242,10 +242,11 @@ std::optional<std::string> MotionWatch::look_for_passage(const StepRecord& recor
   if (!overlap) return std::nullopt;
   overlap_is_known_ = true;
   const auto& [x, y, z] = overlap->at;
-  return fmt::format(
-      "{}: at {} {} pass through one another, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g}): no contact "
-      "between them is enabled; 'contact: {{law: barrier, pairs: all}}' keeps bodies apart",
-      to_string(mesh_), instant(progress(record)), names_of(overlap->of, overlap->in), overlap->depth, x, y, z);
+  return to_string(Diagnostic{
+      Severity::warning, mesh_,
+      fmt::format("at {} {} pass through one another, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g}): no contact between "
+                  "them is enabled; 'contact: {{law: barrier, pairs: all}}' keeps bodies apart",
+                  instant(progress(record)), names_of(overlap->of, overlap->in), overlap->depth, x, y, z)});
 }
 
 std::vector<std::string> MotionWatch::look_at_joints(const StepRecord& record) {

@@ -192,6 +192,7 @@ std::string write_post_mortem(const Config& config, const Model& model, const St
   report.max_iterations = config.solver.newton.max_iterations;
   const bool is_static = analysis_of(config) == Analysis::static_equilibrium;
   report.has_load_steps = is_static && !config.time.path;
+  report.has_barriers = config.contact && config.contact->has_barrier();
   report.shorter_steps = is_static              ? "more load_steps"
                          : config.time.adaptive ? "a smaller time.step or time.adaptive.min_step"
                                                 : "a smaller time.step or time.min_step";

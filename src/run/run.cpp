@@ -5,6 +5,7 @@
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
 #include "run/checkpoints.hpp"
+#include "run/end_findings.hpp"
 #include "run/energy_watch.hpp"
 #include "run/frame_schedule.hpp"
 #include "run/motion_watch.hpp"
@@ -20,6 +21,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -308,8 +310,6 @@ class Run {
     const StepStatistics& steps = simulation_->steps();
     const RunSeconds t{seconds_since(start_),   setup_seconds_,  model_.mesh_seconds(), s.assembly_seconds,
                        s.factorization_seconds, s.solve_seconds, output_seconds()};
-    save({outcome, message, num_ranks(comm_), t, steps, s, worst_, energy_watch_->growth(),
-          recorder_->fields().has_mesh_error() ? std::optional(mesh_error_watch_) : std::nullopt, critical_points_});
     console_.print(fmt::format(
         "time: {} s = set-up {} (mesh {}) + assembly {} + factorization {} + solve {} + output {} + rest {}",
         three_digits(t.total), three_digits(t.set_up), three_digits(t.mesh), three_digits(t.assembly),
@@ -329,20 +329,16 @@ class Run {
     }
     console_.print(energy_line());
     report_mesh_error(outcome);
-    if (const auto growth = energy_watch_->growth()) {
-      console_.warn(fmt::format(
-          "{}: the energy grew without work: at t = {:.6g} s it was {:.3g} times the energy supplied{}, with steps "
-          "of {:g} s of '{}'; use shorter steps or bdf2, dirk22 or dirk33, or damp the vibrations with a viscosity",
-          to_string(config_.time.method.where), growth->time, growth->factor,
-          growth->includes_dissipation ? " (including dissipation)" : "", steps.longest,
-          method_name(config_.time.method)));
-    }
-    warn_of_solutions(s);
+    for (const Diagnostic& diagnostic : findings()) console_.report(diagnostic);
     warn_of_iterations(1);
     console_.print(fmt::format("results: {0}/result.xdmf, {0}/history.csv", config_.output.directory));
     for (const auto& option : unused_petsc_options()) {
       console_.warn(fmt::format("no solver used the PETSc option {}; is it misspelt?", option));
     }
+    // Last: it has all warnings.
+    save({outcome, message, num_ranks(comm_), t, steps, s, worst_, energy_watch_->growth(),
+          recorder_->fields().has_mesh_error() ? std::optional(mesh_error_watch_) : std::nullopt, critical_points_,
+          console_.warnings()});
   }
 
   void look_at_mesh_error() {
@@ -386,25 +382,15 @@ class Run {
     }
   }
 
-  void warn_of_solutions(const SolverStatistics& s) {
-    if (2 * s.unbalanced_stops > s.stages) {
-      console_.warn(
-          fmt::format("{}: 'solver.newton.absolute' of {:g} N ended {} of {} solves while more than a tenth of the "
-                      "forces was unbalanced: these are not solutions; give a smaller value, or omit the key",
-                      config_.file, config_.solver.newton.absolute, s.unbalanced_stops, s.stages));
-    }
-    if (s.worst_rounding > doubtful_rounding) {
-      console_.warn(fmt::format(
-          "{} of {} solves ended at the limit of double precision, one of them with {:.1e} of the forces unbalanced: "
-          "the bodies are too stiff relative to the forces on them for a more accurate solution",
-          s.rounding_stops, s.stages, s.worst_rounding));
-    }
-    if (s.unstable_stages > 0) {
-      console_.warn(fmt::format(
-          "{} of {} solves found an unstable equilibrium: at the slightest disturbance the body buckles or snaps; a "
-          "dynamic analysis (`time: {{method: bdf2, ...}}`) shows the motion that follows",
-          s.unstable_stages, s.stages));
-    }
+  /// What the run as a whole shows, at its end.
+  std::vector<Diagnostic> findings() const {
+    const SolverStatistics& s = simulation_->solver_statistics();
+    std::vector<Diagnostic> found = findings_about_solutions(config_, s);
+    if (simulation_->analysis() != Analysis::dynamic) return found;
+    const Energies& energies = simulation_->ledger().energies();
+    const double longest = simulation_->steps().longest;
+    std::ranges::move(findings_about_energy(config_, *energy_watch_, energies, longest), std::back_inserter(found));
+    return found;
   }
 
   Clock::time_point start_ = Clock::now();

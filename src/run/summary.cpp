@@ -27,6 +27,7 @@ void write_summary(const std::filesystem::path& directory, const Summary& summar
   const auto& [total, set_up, mesh, assembly, factorization, solve, output] = summary.seconds;
   const SolverStatistics& s = summary.solver;
   Json json{{"outcome", summary.outcome}, {"message", summary.message}, {"ranks", summary.ranks}};
+  json["warnings"] = summary.warnings;
   json["seconds"] = {{"total", total},
                      {"set_up", set_up},
                      {"mesh", mesh},

@@ -45,6 +45,7 @@ struct Summary {
   std::optional<EnergyWatch::Growth> energy_growth;
   std::optional<MeshErrorWatch> mesh_error;  ///< if the input asks for it
   std::vector<PassedPoint> critical_points;  ///< along a path
+  std::vector<std::string> warnings;         ///< as the terminal showed them
 };
 
 /// Replaces summary.json. For a resumed run it covers the part since resuming. Not collective.

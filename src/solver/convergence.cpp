@@ -77,13 +77,14 @@ void Convergence::lower_scale(Vec q) {
 }
 
 bool Convergence::is_rounding(double residual, Vec q) {
+  // It is not a number where the constraints cannot be fulfilled.
   double floor = rounding_safety * objective_.equation().rounding_floor(q);
-  if (residual > floor) return false;
+  if (!(residual <= floor)) return false;
   if (residual > doubtful_rounding * scale_) {
     // The last Hessian may stem from a point near a wall that is now far away.
     reassemble_(q);
     floor = rounding_safety * objective_.equation().rounding_floor(q);
-    if (residual > floor) return false;
+    if (!(residual <= floor)) return false;
   }
   return start_.allows_rounding(residual, floor, norm(q));
 }

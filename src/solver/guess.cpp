@@ -144,7 +144,10 @@ std::optional<std::string> GuessSearch::try_prescribed_motion(Vec accepted, Vec 
   equation_.extrapolate_from(nullptr);
   if (!std::isfinite(measure)) follow_prescribed_nodes(accepted, q, measure);
   if (std::isfinite(measure)) return std::nullopt;
-  if (applied == Applied::nothing) return "an obstacle or a prescribed surface moves across a gap within one step";
+  if (applied == Applied::nothing) {
+    return equation_.has_walls() ? "an obstacle or a prescribed surface moves across a gap within one step"
+                                 : "a prescribed motion, of a surface or of a joint, is too large for one step";
+  }
   return "the prescribed displacement is too large for one step: a tetrahedron would invert, or an obstacle or "
          "another body is in the way";
 }

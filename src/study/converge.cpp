@@ -11,6 +11,7 @@
 #include "study/level_results.hpp"
 #include "study/level_run.hpp"
 #include "study/sample.hpp"
+#include "study/studied_input.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,9 +23,8 @@
 namespace pliant {
 namespace {
 
-constexpr double newton_tolerance = 1e-11;  // so that the error of Newton's method is far below that in time
-constexpr double tolerance_factor = 3.0;    // an adaptive run that misses its tolerance by more has failed
-constexpr double rounding = 1e-9;           // errors below this part of the solution are Newton's method's
+constexpr double tolerance_factor = 3.0;  // an adaptive run that misses its tolerance by more has failed
+constexpr double rounding = 1e-9;         // errors below this part of the solution are Newton's method's
 /// Steps of the reference in the finest one; the latter is of the first order, which makes the observed one 1.05.
 constexpr double steps_of_reference = 4.0, steps_of_quasistatic_reference = 16.0;
 
@@ -199,6 +199,7 @@ class Study {
   }
 
   LevelRun solve(const Config& config, Model& model, const Row& row) {
+    if (row.level == 0) report_new_warnings(model, console_);
     const std::string name = fmt::format("{}, level {}", row.method, row.level);
     LevelRun run = run_level(config, model, options_.results, name, console_);
     results_.add(row.method, row.level, abscissa(row), run.results);
@@ -397,54 +398,11 @@ class Study {
   std::vector<Row> rows_;
 };
 
-/// The input once for each method.
-std::vector<Config> read_configs(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
-                                 const StudyOptions& options) {
-  std::vector<std::string> names;
-  for (const auto& name : options.methods) {
-    if (name != "all") names.push_back(name);
-    for (const auto& m : methods()) {
-      if (name == "all") names.push_back(m.name);
-    }
-  }
-  std::vector<Config> configs;
-  if (names.empty()) configs.push_back(read_input_file(comm, file, overrides));
-  for (const auto& name : names) {
-    auto with_method = overrides;
-    with_method.push_back({"time.method", name});
-    configs.push_back(read_input_file(comm, file, with_method));
-  }
-  for (Config& config : configs) {
-    const Analysis analysis = analysis_of(config);
-    if (options.refine != Refine::space && analysis == Analysis::static_equilibrium) {
-      throw InputError(config.time.method.where, "a static problem has no convergence in time; use --in space");
-    }
-    if (config.time.path) {
-      throw InputError(config.time.path->where,
-                       "steps along a path end elsewhere on each mesh, so that there is nothing to compare; remove "
-                       "'path', or run the input on several meshes and compare limit points");
-    }
-    if (options.refine == Refine::space && !config.rods.empty()) {
-      throw InputError(
-          config.rods.front().where,
-          "rods cannot be refined with the mesh: run the input with other `segments` or `size`, or with another "
-          "`mesh.size` where they follow curves, and compare what the histories end with");
-    }
-    if (options.refine == Refine::tolerance && !config.time.adaptive) {
-      throw InputError(config.time.method.where, "a study by tolerance needs `adaptive` in time");
-    }
-    if (options.refine == Refine::time) config.time.adaptive.reset();
-    config.time.startup = Startup::dirk33;
-    config.solver.newton.relative = std::min(config.solver.newton.relative, newton_tolerance);
-  }
-  return configs;
-}
-
 }  // namespace
 
 ExitCode converge_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
                           const StudyOptions& options, Console& console) {
-  return Study(comm, options, read_configs(comm, file, overrides, options), console)();
+  return Study(comm, options, read_studied_inputs(comm, file, overrides, options), console)();
 }
 
 }  // namespace pliant

@@ -46,6 +46,15 @@ class KeptHistory {
 
 }  // namespace
 
+void report_new_warnings(const Model& model, Console& console) {
+  for (const Diagnostic& diagnostic : model.diagnostics()) {
+    if (diagnostic.severity != Severity::warning) continue;
+    if (std::ranges::find(console.warnings(), to_string(diagnostic)) == console.warnings().end()) {
+      console.report(diagnostic);
+    }
+  }
+}
+
 LevelRun run_level(const Config& config, Model& model, std::span<const RunNumber> numbers, const std::string& name,
                    Console& console) {
   const auto start = std::chrono::steady_clock::now();

@@ -24,6 +24,9 @@ struct LevelRun {
   std::vector<double> results;  ///< one for each number that was asked for
 };
 
+/// Reports the warnings of a model that the console has not shown yet. Not collective.
+void report_new_warnings(const Model& model, Console& console);
+
 /// Runs the input; `model` is its model. `numbers`: taken from its history; InputError if it
 /// does not have their columns. On a terminal, shows its progress as
 /// `name`. Collective.

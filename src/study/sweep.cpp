@@ -5,6 +5,7 @@
 #include "input/input.hpp"
 #include "io/history_reader.hpp"
 #include "io/history_writer.hpp"
+#include "run/summary.hpp"
 #include "study/history_plots.hpp"
 #include "study/latin_hypercube.hpp"
 #include "study/sweep_plots.hpp"
@@ -14,6 +15,7 @@
 #include <array>
 #include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 
@@ -54,6 +56,11 @@ std::string in_words(const Ended& how) {
   return fmt::format("exit code {}", how.code);
 }
 
+std::string in_words(std::size_t warnings) {
+  if (warnings == 0) return "";
+  return warnings == 1 ? ", 1 warning" : fmt::format(", {} warnings", warnings);
+}
+
 class Sweep {
  public:
   Sweep(std::string file, const std::vector<Override>& changes, const SweepOptions& options, Console& console)
@@ -76,10 +83,13 @@ class Sweep {
                                ranks == 1 ? "" : "s"));
     std::vector<Program> programs;
     for (const Case& one : cases_) programs.push_back(program(one));
-    std::size_t done = 0;
+    std::size_t done = 0, num_with_warnings = 0;
     ended_ = run_all(programs, options_.environment, at_once, [&](std::size_t index, const Ended& how) {
-      console_.print(fmt::format("[{}/{}] {}: {} after {:.3g} s", ++done, cases_.size(),
-                                 cases_[index].directory.filename().string(), in_words(how), how.seconds));
+      const std::size_t warnings = how.code == static_cast<int>(ExitCode::input) ? 0 : num_warnings(cases_[index]);
+      num_with_warnings += warnings > 0 ? 1 : 0;
+      console_.print(fmt::format("[{}/{}] {}: {} after {:.3g} s{}", ++done, cases_.size(),
+                                 cases_[index].directory.filename().string(), in_words(how), how.seconds,
+                                 in_words(warnings)));
       warn_of_missing_columns(cases_[index].directory);
     });
     for (std::size_t i = 0; i < cases_.size(); ++i) {
@@ -90,6 +100,11 @@ class Sweep {
     const std::size_t plots = draw();
     console_.print(fmt::format("results: {0}/sweep.csv, {1} plots {0}/*.svg; of each run: {0}/NN_.../",
                                directory_.string(), plots));
+    if (num_with_warnings > 0) {
+      console_.warn(fmt::format("{} of {} runs {} warnings: they are in {}/*/log.txt, and in summary.json of each run",
+                                num_with_warnings, cases_.size(), num_with_warnings == 1 ? "has" : "have",
+                                directory_.string()));
+    }
     return outcome();
   }
 
@@ -253,6 +268,11 @@ class Sweep {
 
   /// What the run prints.
   static std::string log_of(const Case& one) { return (one.directory / "log.txt").string(); }
+  /// Those in the summary of a run that has ended.
+  static std::size_t num_warnings(const Case& one) {
+    const nlohmann::ordered_json summary = summary_json(one.directory);
+    return summary.contains("warnings") ? summary["warnings"].size() : 0;
+  }
 
   /// Once, at the first run that has a history: the others will have the same columns.
   void warn_of_missing_columns(const fs::path& run) {

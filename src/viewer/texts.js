@@ -15,13 +15,15 @@ function sizeOf({ elements: { tetrahedra, triangles, segments }, nodes, order })
   return sizes.length ? sizes : ["rigid bodies alone"];
 }
 
+const countOf = (warnings) => `${warnings} ${warnings === 1 ? "warning" : "warnings"}`;
+
 /// The same for a model that has not run.
 export function showModelFacts({ title, result, model, program, written, directory }) {
   place("title").textContent = document.title = title;
   place("outcome").textContent = "model";
   const warnings = model.diagnostics.filter((d) => d.severity === "warning").length;
   place("facts").textContent = [...sizeOf(result), "before the start",
-    ...(warnings ? [`${warnings} ${warnings === 1 ? "warning" : "warnings"}`] : [])].join("  ·  ");
+    ...(warnings ? [countOf(warnings)] : [])].join("  ·  ");
   place("made").textContent = `Made with ${program.split("\n")[0]} on ${written} from ${directory}`;
 }
 
@@ -63,7 +65,8 @@ function factsOf({ result, summary, input, history: { steps } }, history, isStat
   const times = history.get("time");
   if (times?.length > 1 && !isStatic) facts.push(`to t = ${short(times.at(-1))} s`);
   if (summary?.ranks > 1) facts.push(`${summary.ranks} ranks`);
-  return [...facts, frames].join("  ·  ");
+  const warnings = summary?.warnings?.length;
+  return [...facts, frames, ...(warnings ? [countOf(warnings)] : [])].join("  ·  ");
 }
 
 const PARTS = [["set_up", "set-up"], ["assembly", "assembly"], ["factorization", "factorization"], ["solve", "solve"], ["output", "output"], ["rest", "rest"]];
@@ -100,8 +103,12 @@ export function showRun(to, { summary, result }, names) {
   }
   if (hasModes(result)) to.append(table("Modes", result.frames.map((frame) => frame.label.split(", "))));
   if (!summary) return;
-  const { seconds, steps, solver, worst_step: worst, message } = summary;
+  const { seconds, steps, solver, worst_step: worst, message, warnings } = summary;
   if (message) to.append(element("article", { className: "wide" }, element("h2", { textContent: "Why it ended" }), element("p", { textContent: message })));
+  if (warnings?.length) {
+    to.append(element("article", { className: "wide" }, element("h2", { textContent: "Warnings" }),
+      ...warnings.map((text) => element("p", { className: "warning", textContent: text }))));
+  }
   to.append(timings(seconds));
   to.append(table("Steps", [
     ["accepted", grouped(steps.accepted)], ["shortest", `${short(steps.shortest)} s`], ["longest", `${short(steps.longest)} s`],

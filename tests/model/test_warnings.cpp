@@ -95,6 +95,22 @@ INSTANTIATE_TEST_SUITE_P(
             2,
             "bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4999}}]",
             "Poisson's ratio is 0.4999, and linear elements"},
+        Doubtful{2, "bodies: [{density: 1000, elasticity: {model: linear, youngs_modulus: 400, poissons_ratio: 0.4}}]",
+                 "the shear modulus at rest is 143 Pa, that of the softest gels"},
+        Doubtful{2, "bodies: [{density: 1.08, elasticity: {model: linear, youngs_modulus: 1e7, poissons_ratio: 0.4}}]",
+                 "a.yaml:2:10: the density is 1.08 kg/m^3, and solids have 20 (foam) to 22600 (osmium); is 1080 kg/m^3 "
+                 "meant, which is 1.08 g/cm^3?"},
+        Doubtful{
+            2,
+            "bodies: [{density: 1080 g/cm^3, elasticity: {model: linear, youngs_modulus: 1e7, poissons_ratio: 0.4}}]",
+            "the density is 1.08e+06 kg/m^3, and solids have 20 (foam) to 22600 (osmium); is 1080 kg/m^3 meant"},
+        Doubtful{2, "bodies: [{density: 0.001, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0.4}}]",
+                 "a number without a unit is in kg/m^3"},
+        Doubtful{
+            2,
+            "bodies: [{volume: a, density: 1.2, rigid: true}, {volume: b, density: 20, elasticity: {model: linear, "
+            "youngs_modulus: 1e7, poissons_ratio: 0.4}}]",
+            "is 1200 kg/m^3 meant"},
         Doubtful{4, "loads: [{gravity: [0, 0, -9806.65]}]", "if mm/s^2 is meant, write '9806.65 mm/s^2'"},
         Doubtful{3, "constraints: [{surface: clamp, displacement: [0,45, 0]}]",
                  "a.yaml:3:47: '0,45' is read as two entries of the list; if it is one number, write 0.45;"},
@@ -162,6 +178,20 @@ TEST(Advice, AModulusBelowThatOfAnyGelIsWarnedOfWithoutADensityToo) {
   EXPECT_EQ(told("3}"), std::vector<std::string>{});
   // Next to nothing is meant.
   EXPECT_EQ(told("1e-9}, viscosity: {model: kelvin-voigt, shear: 100 Pa*s}"), std::vector<std::string>{});
+}
+
+TEST(Advice, AgainstLockingIsOneThatTheInputTakes) {
+  const auto told = [](const std::string& other) {
+    return told_of(2,
+                   "bodies: [{volume: a, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, "
+                   "poissons_ratio: 0.499}}, {volume: b, density: 1000, elasticity: {model: " +
+                       other + ", youngs_modulus: 1e6, poissons_ratio: 0.3}}]");
+  };
+  ASSERT_EQ(told("neo-hookean").size(), 1u);
+  EXPECT_NE(told("neo-hookean")[0].find("use 'volumetric: mixed'"), std::string::npos);
+  ASSERT_EQ(told("saint-venant-kirchhoff").size(), 1u);
+  EXPECT_NE(told("saint-venant-kirchhoff")[0].find("use 'element: P2' and 'volumetric: mean-dilatation'"),
+            std::string::npos);
 }
 
 TEST(Advice, WhatLoadsPushAndNothingHoldsMayFall) {

@@ -140,6 +140,7 @@ class Commands(ProgramTest):
                                (("render", "out", "--zzzzzzzzzzzz", "3"), "pliant render: it has no option '--zzzzzzzzzzzz'; see pliant render --help"),
                                (("--set", "a=1"), "pliant: it has no option '--set'; see pliant --help"),
                                (("methods", "bdf2", "bdf3"), "pliant methods: it takes no argument 'bdf2'; see pliant methods --help"),
+                               (("materials", "yeoh"), "pliant materials: there is no command 'yeoh'; to plot a law or a material: pliant materials plot yeoh; see pliant materials --help"),
                                (("mesh", "convrt"), "pliant mesh: there is no command 'convrt' (did you mean 'convert'?); see pliant mesh --help")):
             done = self.call(*words)
             self.assertEqual((done.returncode, done.stderr), (2, message + "\n"))

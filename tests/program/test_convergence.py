@@ -123,6 +123,10 @@ time: {{method: quasistatic, step: 0.1, end: 0.4}}
         self.assertAlmostEqual(table["order_displacement"][-1], 2, delta=SHORTFALL)
         self.check_pictures("convergence.svg")
 
+    def test_warnings_of_the_input_are_told_once(self):
+        _, _, done = self.study("stretched_cube", "space", 2, "--no-check", "--set", "bodies.0.elasticity.poissons_ratio=0.499")
+        self.assertEqual(done.stderr.count("linear elements lock"), 1, done.stderr)
+
     def test_results_of_levels(self):
         """Numbers of histories and their errors; in space the distance from the next level, in time that from the reference."""
         _, table, done = self.study("stretched_cube", "space", 2, "--no-check", "--result", "energy=last(elastic_energy)")
@@ -217,6 +221,11 @@ time: {{method: static}}
         # iterations.
         self.assertGreater(table["step"][7], 8 * table["step"][3])
         self.assertLess(table["newton_iterations"][7], table["newton_iterations"][3] / 1.5)
+
+    def test_rigid_bodies_alone_have_no_mesh_to_refine(self):
+        self.write("in.yaml", "rigid_bodies: [{name: brick, mass: 1, inertia: [1, 1, 1], center: [0, 0, 0], velocity: [1, 0, 0]}]\n"
+                   "time: {method: bdf2, step: 10 ms, end: 0.1}\n")
+        self.assertIn("in.yaml: there is no mesh to refine", self.pliant("converge", "in.yaml", "--in", "space", status=2).stderr)
 
     def test_mistakes(self):
         cases = {

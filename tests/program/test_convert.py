@@ -373,6 +373,13 @@ class Convert(ProgramTest):
         self.assertIn("cube.yaml exists: name another file with --output, or replace it with --force", done.stderr)
         self.assertEqual(self.call("convert", "cube.inp", "-o", "missing/cube.yaml").returncode, 4)
 
+    def test_sets_that_no_user_has_made_are_no_volumes(self):
+        text = abaqus_cubes([next(iter(ABAQUS.values()))[0]], pulled(1), "*ELSET, ELSET=_top_S1, INTERNAL\n1\n*ELSET, ELSET=mine\n1\n")
+        self.convert("cubes.inp", text)
+        mesh = (self.directory / "cubes.msh").read_text()
+        self.assertIn('"mine"', mesh)
+        self.assertNotIn("_top_S1", mesh)
+
     def test_damaged_files(self):
         """Whatever stands in a file, it is converted, or refused with an exception that has its name."""
         models = {"x.inp": abaqus_cubes([material for material, _ in ABAQUS.values()][:3], pulled(2) + "*DLOAD\ncube1, P4, 2e-3\n*CLOAD\nright3, 1, 1.\n",

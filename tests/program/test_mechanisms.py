@@ -531,6 +531,13 @@ constraints:
 """, "method: static, load_steps: 2")
         np.testing.assert_allclose([h[f"hub_{i}"][-1] for i in "xyz"], [0.26, 0.02, 0.03], atol=1e-12)
 
+    def test_jumps_of_motions_are_not_called_obstacles(self):
+        self.write("in.yaml", self.chain("ball").replace("axis: [0, 1, 0.2]", "axis: [0, 1, 0.2], motion: 't > 0.02 ? 3 : 0'")
+                   + "time: {method: dirk33, step: 10 ms, end: 0.05, min_step: 5 ms}\n")
+        told = self.pliant("run", "in.yaml", status=3).stderr
+        self.assertIn("a prescribed motion, of a surface or of a joint, is too large for one step", told)
+        self.assertNotIn("obstacle", told)
+
     def test_static_analyses_tell_of_free_rotations(self):
         strut = """rigid_bodies:
   - {name: strut, mass: 1, inertia: [1e-3, 1e-2, 1e-2], center: [0.5, 0, 0]}
@@ -556,6 +563,12 @@ loads: [{gravity: [0.1, 0, -9.81]}]
         floating = self.chain("hinge").replace("joints:", "  - {name: post, mass: 1, inertia: [1, 1, 1], center: [0, 0, 1]}\njoints:")
         self.write("in.yaml", floating.replace("[ground, one]", "[ground, post]") + time)
         self.assertIn("nothing holds 'one', 'two':", self.pliant("check", "in.yaml", status=2).stderr)
+        # A motor without stiffness turns a body and does not hold it.
+        driven = link[:link.index("loads:")].replace("KIND", "hinge").replace("point: [0, 0, 0]}]", "point: [0.5, 0, 0], axis: [0, 0, 1], motor: {MOTOR}}]")
+        for motor, status in (("effort: 1", 2), ("target: 1, damping: 3", 2), ("effort: 1, stiffness: 10", 0)):
+            self.write("in.yaml", driven.replace("MOTOR", motor) + time)
+            told = self.pliant("check", "in.yaml", status=status).stderr
+            self.assertEqual("nothing resists a rotation of 'link' about the axis [0, 0, 1]" in told, status == 2, told)
         # Held: by joints that leave no such rotation, or by a spring that may hold it.
         held = link.replace("KIND", "universal").replace("point: [0, 0, 0]}]", "point: [0, 0, 0], axis: [0, 1, 0], second_axis: [0, 0, 1]}]")
         h = self.solve(held.replace("[0.1, 0, -9.81]", "[9.81, 0, -1]"), "method: static, load_steps: 2")
@@ -679,6 +692,8 @@ joints:
             "outside of its limits": chain.replace("type: ball", "type: slider").replace("point: [1, 0, 0], }", 'point: [1, 0, 0], axis: [0, 0, 1], limits: [1, 2]}'),
             "the first must be smaller": chain.replace("type: ball", "type: slider").replace("point: [1, 0, 0], }", 'point: [1, 0, 0], axis: [0, 0, 1], limits: [1, -2]}'),
             "only one of motion, limits can be given": chain.replace("type: ball", "type: slider").replace("point: [1, 0, 0], }", 'point: [1, 0, 0], axis: [0, 0, 1], limits: [-1, 2], motion: "t"}'),
+            "'inertia' must be a list of 3 principal moments or of 6 numbers xx, yy, zz, xy, yz, zx, not of 5": chain.replace("inertia: [0.01, 0.02, 0.03]", "inertia: [0.01, 0.02, 0.03, 5e-3,0]"),
+            "at least one of stiffness, damping, effort is needed": chain.replace("type: ball", "type: hinge").replace("point: [1, 0, 0], }", "point: [1, 0, 0], axis: [0, 0, 1], motor: {target: 1}}"),
             "missing key 'mesh'": chain + "bodies: [{density: 1, rigid: true}]\n",
         }
         for message, text in cases.items():

@@ -260,6 +260,8 @@ class Report(ProgramTest):
 
     @unittest.skipUnless(CHROMIUM, "needs the package chromium")
     def test_in_a_browser(self):
+        summary = json.loads((self.out / "summary.json").read_text())
+        (self.out / "summary.json").write_text(json.dumps({**summary, "warnings": ["bar.yaml:4:5: a <b>doubt</b>"]}))
         report = self.report("--output", self.directory / "moved.html")
         shutil.rmtree(self.out)  # the page stands alone
         with Browser((1200, 900)) as browser:
@@ -267,6 +269,8 @@ class Report(ProgramTest):
             browser.open(self.directory / "moved.html")
             browser.wait("document.documentElement?.dataset.ready === 'yes'")
             self.assertEqual(browser.evaluate("document.querySelector('h1').textContent"), "a bar </script> & <b>more</b>")
+            self.assertEqual(browser.evaluate("document.querySelector('#run p.warning').textContent"), "bar.yaml:4:5: a <b>doubt</b>")
+            self.assertTrue(browser.evaluate("document.querySelector('#facts').textContent").endswith("1 warning"))
             # At the end of the run the bar is coloured by its stress.
             end = browser.picture("#view")
             self.assertGreater(len(np.unique(end.reshape(-1, 3) // 16, axis=0)), 40)

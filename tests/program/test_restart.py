@@ -442,6 +442,11 @@ class Damage(RestartTest):
             self.assertIn(word, done.stdout)
         done = self.call("info", self.out("out") / "result.h5")
         self.assertIn("9 frames from t = 0 to 0.04", done.stdout)
+        self.assertIn(f"run: done\nnewest checkpoint: {self.newer.name}\n", done.stdout)
+        (self.out("out") / "summary.json").unlink()
+        done = self.call("info", self.out("out"))
+        self.assertIn(f"run: not ended; it continues, or was killed\nnewest checkpoint: {self.newer.name}; to continue: pliant resume {self.out('out')}\n",
+                      done.stdout)
         self.assertEqual(self.call("info", self.input).returncode, 4)
 
     def test_results_that_are_damaged(self):

@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from program import (ALL_OR_SOME, ProgramTest, box, finish, read_history, start, swept, write_box, write_cube,
+from program import (ALL_OR_SOME, ROOT, ProgramTest, box, finish, read_history, start, swept, write_box, write_cube,
                      write_mesh)
 
 
@@ -193,6 +193,10 @@ bodies: [{volume: body, density: 1000, rigid: true}]
         self.refused(body.replace("BODY", "mass: 1, center: [0, 0, 0], inertia: [1, 1, 1], surface: {file: open.stl}"), "open.stl", "closed")
         self.refused("loads: [{torque: [0, 0, 1], volume: tip}]\n" + body.replace("BODY", "mass: 1, center: [0, 0, 0], inertia: [1, 1, 1]"), "is not a rigid body", "top")
         self.refused(body.replace("BODY", "mass: 1, center: [0, 0, 0], inertia: [1, 1, 1], attached: [end]"), "end")
+        meshed = f"mesh: {{file: {ROOT}/meshes/unit_cube.msh}}\nbodies: [{{volume: beam, density: 1000, rigid: true}}]\ntime: {{method: bdf2, step: 1 ms, end: 1}}\n"
+        self.refused(meshed + "constraints: [{volume: beam, displacement: [0, 0, 0]}]\n", "in.yaml:4:15: volume 'beam' is a rigid body: hold or move")
+        self.write("in.yaml", meshed.replace("beam", "palm"))
+        self.assertEqual(self.pliant("run", "in.yaml", status=2).stderr.count("no volume 'palm' in the mesh"), 1)
 
 BAR = """mesh: {file: bar.msh}
 element: P2

@@ -453,6 +453,7 @@ class TestWrongUse(SimulationTest):
                     (ValueError, r"shape \(4, 3\) is needed, not \(3,\)", lambda: right.apply_forces([0, 0, 1])),
                     (ValueError, "1 numbers are not finite", lambda: right.apply_forces([[0, 0, np.nan]] + 3 * [[0, 0, 0]])),
                     (ValueError, "cannot be moved node by node; hold it", lambda: right.move(np.zeros((4, 3)))),
+                    (ValueError, "^set loads.0.gravity=9.81: 'gravity' must be", lambda: sim.set("loads.0.gravity", 9.81)),
                     (ValueError, "no column 'tip_zz'; there are tip_", lambda: sim.get("tip_zz")),
                     (ValueError, "takes what save returned", lambda: sim.restore(3)),
                     (ValueError, "not a field of nodes", lambda: sim.of_nodes("stress"))):

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """A sweep runs every combination of the values, each as `pliant run` would, and puts together what came of them."""
 import csv
+import json
 import shutil
 import signal
 import time
@@ -123,6 +124,14 @@ class Sweep(ProgramTest):
         self.assertIn("give the path of an input file", done.stderr)
         done = self.call("sweep", INPUT, "--set", "time.step=[1, 2]", ranks=2)
         self.assertIn("without mpirun", done.stderr)
+
+    def test_warnings_are_counted(self):
+        done = self.sweep("bodies.0.density=[1.1, 1000]", "time.step=2 ms", "time.end=10 ms")
+        self.assertRegex(done.stdout, r"01_density=1.1: done after \S+ s, 1 warning\n")
+        self.assertRegex(done.stdout, r"02_density=1000: done after \S+ s\n")
+        self.assertIn("warning: 1 of 2 runs has warnings: they are in out/*/log.txt, and in summary.json of each run", done.stderr)
+        told, = json.loads((self.directory / "out/01_density=1.1/summary.json").read_text())["warnings"]
+        self.assertIn("the density is 1.1 kg/m^3", told)
 
     def test_a_run_that_fails_does_not_stop_the_others(self):
         done = self.sweep("solver.newton.max_iterations=[1, 50]", "time.end=20 ms", "time.min_step=10 ms", code=3)

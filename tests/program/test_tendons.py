@@ -213,6 +213,8 @@ probes: [{name: tip, point: [1, 0, 0]}]
             "the same point twice": chain + "tendons: [{name: cord, points: [[0.5, 0, 0], [0.5, 0, 0]], tension: 1}]\n",
             "and there is no mesh: name its body": chain + "tendons: [{name: cord, points: [[0.5, 0, 0], [9, 9, 9]], tension: 1}]\n",
             "which is not a rigid body": links.replace("body: two, point: [1.9", "body: tow, point: [1.9"),
+            "all points of tendon 'cord' are fixed in 'one': it moves nothing": links.replace("body: ground", "body: one").replace("body: two", "body: one"),
+            "'points' must be a list of at least 2 entries, not of 1": chain + "tendons: [{name: cord, points: [[0.5, 0, 0]], tension: 1}]\n",
             "it moves nothing": links.replace("body: one", "body: ground").replace("body: two", "body: ground"),
             "one of tension, pull is needed": LINKS.replace("PULLED", "friction: 0"),
             "only one of tension, pull can be given": links.replace("tension: 1", "tension: 1\n    pull: 1"),

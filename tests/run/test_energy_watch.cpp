@@ -55,6 +55,18 @@ TEST(EnergyWatch, TellsOfMoreDissipatedThanThereWas) {
   EXPECT_DOUBLE_EQ(watch.growth()->time, 0.2);
 }
 
+TEST(EnergyWatch, TellsWhatAMethodTakesOut) {
+  EnergyWatch watch(at(3, 1, 7, 0));
+  Energies end = at(2, 1, 6, 1);  // of 6 J: 4 at the start, 1 of potential, 1 of work
+  watch.look(end, 0.1);
+  end.numerical_dissipation = 1.5;
+  EXPECT_FALSE(watch.loss(end));
+  end.numerical_dissipation = 2.0;
+  ASSERT_TRUE(watch.loss(end));
+  EXPECT_DOUBLE_EQ(watch.loss(end)->supplied, 6.0);
+  EXPECT_DOUBLE_EQ(watch.loss(end)->share(), 1.0 / 3.0);
+}
+
 TEST(EnergyWatch, RoundingOfNothingIsNothing) {
   EnergyWatch watch(at(0, 0, 0, 0));
   watch.look(at(1e-40, 0, 0, 0), 0.1);

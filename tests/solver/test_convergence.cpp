@@ -90,6 +90,14 @@ TEST_F(ConvergenceTest, ARunFromASolutionMayEndAtOnce) {
   EXPECT_EQ(judge(0, 3e-3), Verdict::at_rounding);
 }
 
+// Where a mechanism cannot close, its displacements are no numbers.
+TEST_F(ConvergenceTest, RoundingErrorsThatAreNoNumberHideNothing) {
+  equation_.floor = std::numeric_limits<double>::quiet_NaN();
+  judge(0, 10.0);
+  EXPECT_EQ(judge(1, 0.5), Verdict::iterating);
+  EXPECT_EQ(statistics_.rounding_stops, 0);
+}
+
 TEST_F(ConvergenceTest, BelievesALineSearchThatFoundRoundingErrors) {
   judge(0, 1.0);
   EXPECT_EQ(judge(1, 0.5, true), Verdict::at_rounding);

@@ -23,6 +23,14 @@ void check_tendon(const TendonConfig& tendon, Diagnostics& diagnostics) {
   if (tendon.points.size() > 1 && std::ranges::all_of(tendon.points, is_on_ground)) {
     diagnostics.add(tendon.where,
                     fmt::format("all points of tendon '{}' are on the ground: it moves nothing", tendon.name));
+    return;
+  }
+  const auto is_with_first = [&](const BodyPoint& point) { return point.body == tendon.points.front().body; };
+  if (tendon.points.size() > 1 && !tendon.points.front().body.empty() &&
+      std::ranges::all_of(tendon.points, is_with_first)) {
+    diagnostics.add(tendon.where, fmt::format("all points of tendon '{}' are fixed in '{}': it moves nothing; lead it "
+                                              "to another body or to the ground",
+                                              tendon.name, tendon.points.front().body));
   }
 }
 

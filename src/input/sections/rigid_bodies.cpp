@@ -21,8 +21,12 @@ Format<RigidBodyConfig::Inertia> inertia() {
     if (node.kind == InputNode::Kind::list && node.children.size() == 6) {
       return full.read(node, name, diagnostics, into.moments);
     }
-    if (node.kind != InputNode::Kind::list || node.children.size() != 3) {
-      return refuse(node, name, "3 principal moments or 6 numbers xx, yy, zz, xy, yz, zx", diagnostics);
+    const std::string wanted = "a list of 3 principal moments or of 6 numbers xx, yy, zz, xy, yz, zx";
+    if (node.kind != InputNode::Kind::list) return refuse(node, name, wanted, diagnostics);
+    if (node.children.size() != 3) {
+      diagnostics.add(node.where, "'" + name + "' must be " + wanted + ", not of " +
+                                      std::to_string(node.children.size()) + why_split(node));
+      return false;
     }
     std::array<double, 3> moments{};
     if (!principal.read(node, name, diagnostics, moments)) return false;
@@ -35,20 +39,22 @@ Format<RigidBodyConfig::Inertia> inertia() {
 
 Section<JointConfig::Motor> motor_keys() {
   using M = JointConfig::Motor;
-  return {{
-      field("target", &M::target, expression("1", Variables::time), "angle [rad] or travel [m] that it aims at")
-          .otherwise("0"),
-      field("stiffness", &M::stiffness, quantity("1", Range::at_least(0)),
-            "effort per difference from the target [N m/rad or N/m]")
-          .otherwise("0"),
-      field("damping", &M::damping, quantity("1", Range::at_least(0)),
-            "effort per difference from the target's rate [N m s/rad or N s/m]")
-          .otherwise("0"),
-      field("limit", &M::limit, quantity("1", Range::above(0)), "largest effort, reached smoothly [N m or N]")
-          .otherwise_in_words("none"),
-      field("effort", &M::effort, expression("1", Variables::time), "given torque [N m] or force [N], in addition")
-          .otherwise("0"),
-  }};
+  return {
+      {
+          field("target", &M::target, expression("1", Variables::time), "angle [rad] or travel [m] that it aims at")
+              .otherwise("0"),
+          field("stiffness", &M::stiffness, quantity("1", Range::at_least(0)),
+                "effort per difference from the target [N m/rad or N/m]")
+              .otherwise("0"),
+          field("damping", &M::damping, quantity("1", Range::at_least(0)),
+                "effort per difference from the target's rate [N m s/rad or N s/m]")
+              .otherwise("0"),
+          field("limit", &M::limit, quantity("1", Range::above(0)), "largest effort, reached smoothly [N m or N]")
+              .otherwise_in_words("none"),
+          field("effort", &M::effort, expression("1", Variables::time), "given torque [N m] or force [N], in addition")
+              .otherwise("0"),
+      },
+      {{{"stiffness", "damping", "effort"}, KeyGroup::Need::at_least_one}}};
 }
 
 Section<JointConfig::Spring> joint_spring_keys() {

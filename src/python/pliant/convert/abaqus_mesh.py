@@ -182,7 +182,10 @@ class AbaqusMesh:
         self.read_set(card, members, "node")
 
     def read_element_set(self, card):
-        self.read_set(card, self.element_set(card.value("ELSET")), "element")
+        name = card.value("ELSET")
+        if card.has("INTERNAL"):
+            self.model.internal_sets.add(self.define("element", name))
+        self.read_set(card, self.element_set(name), "element")
 
     def read_surface(self, card):
         name, kind = card.value("NAME"), card.upper("TYPE", "ELEMENT")

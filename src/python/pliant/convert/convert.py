@@ -74,7 +74,10 @@ def mesh_of(model, diagnostics):
     if flat:
         diagnostics.note(None, f"{flat} tetrahedra have no volume: 'pliant check' will name them")
     present = set(members)
+    used = {body.elements for body in model.bodies} | {selection.name for selection, _ in model.constraints + model.loads if selection}
     for name, rows in model.element_sets.items():
+        if name in model.internal_sets and name not in used:
+            continue  # Abaqus/CAE's own, such as those of the sides of a surface
         if present & set(rows):
             mesh.name_elements(name, present & set(rows))
     for name, faces in model.surfaces.items():

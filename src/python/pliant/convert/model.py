@@ -98,6 +98,7 @@ class Model:
     elements: list = dataclasses.field(default_factory=list)
     node_sets: dict = dataclasses.field(default_factory=dict)
     element_sets: dict = dataclasses.field(default_factory=dict)
+    internal_sets: set = dataclasses.field(default_factory=set)  # names of element sets that no user has made
     surfaces: dict = dataclasses.field(default_factory=dict)
     bodies: list = dataclasses.field(default_factory=list)
     constraints: list = dataclasses.field(default_factory=list)  # (Selection, keys)

@@ -1,0 +1,87 @@
+#include "run/end_findings.hpp"
+
+#include "input/analysis.hpp"
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// A smaller kinetic energy than this part of the energy supplied is that of bodies at rest.
+constexpr double rest = 0.01;
+/// A larger part of the energy supplied than this is too much for a method of the first order, too.
+constexpr double much = 0.5;
+
+Diagnostic finding_about_loss(const Config& config, const EnergyWatch::Loss& loss, double kinetic,
+                              double longest_step) {
+  const Method* method = integrator_of(config);
+  const bool is_first_order = method != nullptr && method->order == 1;
+  const std::string what = fmt::format(
+      "'{}' with steps of {:g} s dissipated {:.3g} J, {:.0f} % of the energy supplied ({:.3g} J), besides what the "
+      "material dissipates",
+      method_name(config.time.method), longest_step, loss.dissipated, 100.0 * loss.share(), loss.supplied);
+  if (config.contact) {
+    return {Severity::note, config.time.method.where,
+            what +
+                ": impacts shorter than a step, and the vibrations after them, lose their energy to the method; "
+                "where the motion after an impact matters, use shorter steps and a viscosity"};
+  }
+  const std::string remedy = is_first_order ? "use shorter steps, or bdf2 or dirk33" : "use shorter steps";
+  const bool is_at_rest = kinetic < rest * loss.supplied;
+  if (is_first_order && (is_at_rest || loss.share() < much)) {
+    return {Severity::note, config.time.method.where,
+            fmt::format("{}: {}; where the motion matters, {}", what,
+                        is_at_rest ? "the state of rest at the end does not depend on that"
+                                   : "methods of the first order damp all vibrations",
+                        remedy)};
+  }
+  return {
+      Severity::warning, config.time.method.where,
+      fmt::format("{}: the steps are too long for this motion, whose vibrations are damped away; {}", what, remedy)};
+}
+
+}  // namespace
+
+std::vector<Diagnostic> findings_about_energy(const Config& config, const EnergyWatch& watch, const Energies& end,
+                                              double longest_step) {
+  std::vector<Diagnostic> found;
+  if (const auto growth = watch.growth()) {
+    found.push_back(
+        {Severity::warning, config.time.method.where,
+         fmt::format("the energy grew without work: at t = {:.6g} s it was {:.3g} times the energy supplied{}, with "
+                     "steps of {:g} s of '{}'; use shorter steps or bdf2, dirk22 or dirk33, or damp the vibrations "
+                     "with a viscosity",
+                     growth->time, growth->factor, growth->includes_dissipation ? " (including dissipation)" : "",
+                     longest_step, method_name(config.time.method))});
+  }
+  if (const auto loss = watch.loss(end)) found.push_back(finding_about_loss(config, *loss, end.kinetic, longest_step));
+  return found;
+}
+
+std::vector<Diagnostic> findings_about_solutions(const Config& config, const SolverStatistics& statistics) {
+  const SolverStatistics& s = statistics;
+  std::vector<Diagnostic> found;
+  const auto warn = [&](const Location& where, std::string text) {
+    found.push_back({Severity::warning, where, std::move(text)});
+  };
+  if (2 * s.unbalanced_stops > s.stages) {
+    warn({config.file, 0, 0},
+         fmt::format("'solver.newton.absolute' of {:g} N ended {} of {} solves while more than a tenth of the forces "
+                     "was unbalanced: these are not solutions; give a smaller value, or omit the key",
+                     config.solver.newton.absolute, s.unbalanced_stops, s.stages));
+  }
+  if (s.worst_rounding > doubtful_rounding) {
+    warn({},
+         fmt::format("{} of {} solves ended at the limit of double precision, one of them with {:.1e} of the forces "
+                     "unbalanced: the bodies are too stiff relative to the forces on them for a more accurate solution",
+                     s.rounding_stops, s.stages, s.worst_rounding));
+  }
+  if (s.unstable_stages > 0) {
+    warn({}, fmt::format("{} of {} solves found an unstable equilibrium: at the slightest disturbance the body buckles "
+                         "or snaps; a dynamic analysis (`time: {{method: bdf2, ...}}`) shows the motion that follows",
+                         s.unstable_stages, s.stages));
+  }
+  return found;
+}
+
+}  // namespace pliant

@@ -1,0 +1,23 @@
+/// What a run as a whole shows at its end: warnings and notes about its energy and its solves.
+#pragma once
+
+#include "base/error.hpp"
+#include "input/config.hpp"
+#include "run/energy_watch.hpp"
+#include "solver/statistics.hpp"
+
+#include <vector>
+
+namespace pliant {
+
+/// Warns of a motion whose method created energy, or dissipated a large part of it. A note says so where that is
+/// usual: with contact, whose impacts are shorter than steps, and for methods of the first order, as long as they
+/// dissipate less than half or have brought the bodies to rest. `end`: the energies of the last step; `longest_step`
+/// [s].
+std::vector<Diagnostic> findings_about_energy(const Config& config, const EnergyWatch& watch, const Energies& end,
+                                              double longest_step);
+
+/// Warns of solves that have not found a solution, inaccurate ones, and equilibria that are unstable.
+std::vector<Diagnostic> findings_about_solutions(const Config& config, const SolverStatistics& statistics);
+
+}  // namespace pliant

@@ -1,0 +1,54 @@
+#include "run/failure_report.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+namespace pliant {
+namespace {
+
+Failure after(const std::vector<double>& residuals) {
+  Failure failure;
+  failure.stage.emplace();
+  failure.stage->force_scale = 1.0;
+  for (const double residual : residuals) failure.stage->iterations.push_back({.residual = residual});
+  return failure;
+}
+
+bool asks_for(const std::string& words, const FailureReport& report, const Failure& failure) {
+  return std::ranges::any_of(advice(report, failure),
+                             [&](const std::string& line) { return line.find(words) != std::string::npos; });
+}
+
+TEST(Advice, MoreIterationsHelpWhereTheResidualFallsSteadily) {
+  FailureReport report;
+  report.max_iterations = 5;
+  const std::string words = "max_iterations";
+  EXPECT_TRUE(asks_for(words, report, after({1e3, 2e3, 500, 100, 30, 10})));
+  EXPECT_FALSE(asks_for(words, report, after({1e3, 4e7, 2e3, 1e7, 5e3, 2e3})));
+  EXPECT_FALSE(asks_for(words, report, after({1e3, 4e7, 1e7, 1e6, 5e5, 2e5})));
+  EXPECT_FALSE(asks_for(words, report, after({1e3, 500, 100, 90, 80, 75})));
+}
+
+TEST(Advice, ADynamicAnalysisIsForThoseThatHaveNone) {
+  FailureReport report;
+  Failure failure = after({1e3, 500, 100});
+  for (NewtonIteration& iteration : failure.stage->iterations) iteration.hessian = NewtonIteration::Hessian::projected;
+  EXPECT_TRUE(asks_for("the state is unstable", report, failure));
+  EXPECT_FALSE(asks_for("a dynamic analysis", report, failure));
+  report.has_load_steps = true;
+  EXPECT_TRUE(asks_for("or a dynamic analysis instead of load steps", report, failure));
+}
+
+TEST(Advice, SpeaksOfBarriersWhereThereAreSome) {
+  FailureReport report;
+  report.worst_cells.emplace_back();
+  Failure failure;
+  failure.stage.emplace();
+  EXPECT_TRUE(asks_for("no starting guess fulfils the prescribed motions", report, failure));
+  report.has_barriers = true;
+  EXPECT_TRUE(asks_for("no starting guess is clear of all barriers", report, failure));
+}
+
+}  // namespace
+}  // namespace pliant
