@@ -4,6 +4,7 @@
 #include "petsc/ghosted.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -141,17 +142,22 @@ Ledger::Gain Ledger::gain(const StepAttempt& attempt) {
 
 void Ledger::book_jump(const StateView& after) {
   if (analysis_ != Analysis::dynamic) return;
-  const double before = energies_.kinetic;
-  measure(after);
-  const double gained = energies_.kinetic - before;
+  const Energies before = energies_;
+  measure(after, Side::after);
+  const double gained = energies_.kinetic - before.kinetic;
   works_[kinetic] += gained;
   works_[supports] += gained;
+  for (const auto& [work, change] : {std::pair(stored, energies_.elastic - before.elastic),
+                                     std::pair(potential, energies_.load_potential - before.load_potential)}) {
+    works_[work] += change;
+    works_[loads] += change;
+  }
   balance();
 }
 
 std::vector<double> Ledger::book_change(const StateView& state) {
   const Energies before = energies_;
-  measure(state);
+  measure(state, Side::after);
   Works change = no_works();
   change[stored] = energies_.elastic - before.elastic;
   change[potential] = energies_.load_potential - before.load_potential;
@@ -178,7 +184,7 @@ void Ledger::keep(Archive& archive, const StateView& newest) {
     }
   }
   if (!archive.restores()) return;
-  measure(newest);
+  measure(newest, Side::after);
   time_ = newest.time;
   load_factor_ = newest.load_factor;
   check(VecCopy(newest.q, q_.get()));
@@ -293,11 +299,13 @@ void Ledger::set_works_of_constraints(Vec displacement, Works& works) const {
   works[ideal_constraints] = done[1];
 }
 
-void Ledger::measure(const StateView& state) {
+void Ledger::measure(const StateView& state, Side side) {
   const IncrementalPotential& sum = model_.potential();
   energies_.elastic = energies_.load_potential = 0.0;
+  const bool is_before = analysis_ == Analysis::dynamic && side == Side::before && state.time > 0.0;
+  const double time = is_before ? std::nextafter(state.time, 0.0) : state.time;
   const auto energies =
-      model_.potential().accounts().energies(model_.instant(state.time, state.load_factor), state.q, state.z);
+      model_.potential().accounts().energies(model_.instant(time, state.load_factor), state.q, state.z);
   for (std::size_t k = 0; k < energies.size(); ++k) {
     const Account account = account_of(*sum.terms()[k]);
     if (account == Account::stored) energies_.elastic += energies[k];

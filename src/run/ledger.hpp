@@ -72,8 +72,8 @@ class Ledger {
   };
   /// The gain of a completed step that is not booked yet; zero if the integrator has not integrated the works.
   Gain gain(const StepAttempt& attempt);
-  /// Books a jump of the velocity from that of the last booked state to that of `after`: impulses of the constraints
-  /// have done work.
+  /// Books a jump of the velocity from that of the last booked state to that of `after`, where impulses of the
+  /// constraints have done work, and of energies that depend on time, to which loads have.
   void book_jump(const StateView& after);
 
   /// Books a change of the loads at the last booked state, to be called after it: what the energies gain by it is
@@ -108,7 +108,8 @@ class Ledger {
   Works works_along(Vec displacement) const;
   /// Sets the works of `supports` and `ideal_constraints`.
   void set_works_of_constraints(Vec displacement, Works& works) const;
-  void measure(const StateView& state);
+  /// The energies of a state: at the end of a step, or at the start of what follows, where formulas of time jump.
+  void measure(const StateView& state, Side side = Side::before);
   /// Computes the quantities that follow from the works and the energies of the state.
   void balance();
 

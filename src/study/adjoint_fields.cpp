@@ -4,6 +4,7 @@
 #include "model/mesh_cell_data.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
+#include "study/neighbours.hpp"
 #include "study/shape_gradient.hpp"
 
 #include <algorithm>
@@ -122,7 +123,7 @@ std::vector<AdjointRun::Parameter> AdjointFields::parameters() const {
       values[place] = value;
       return varied_.at(values);
     };
-    parameters.push_back({numbers_value(n), make, true});
+    parameters.push_back({numbers_value(n), make, true, {}, size_of_number(constant.key, numbers_value(n))});
   }
   if (!by_nodes_) return parameters;
   for (AdjointRun::Parameter& strain : strains_of_mesh(varied_.given())) parameters.push_back(std::move(strain));

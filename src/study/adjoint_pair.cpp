@@ -30,7 +30,8 @@ AdjointPair::Side::Side(const Mesh& mesh, Config given, const NodeLayout& layout
 }
 
 AdjointPair::AdjointPair(const Mesh& mesh, const NodeLayout& layout, const AdjointParameter& parameter) {
-  auto pair = neighbours_of(parameter.value, std::abs(parameter.value), [&](double x) {
+  const double size = parameter.size > 0.0 ? parameter.size : std::abs(parameter.value);
+  auto pair = neighbours_of(parameter.value, size, [&](double x) {
     if (!parameter.strain) return std::make_unique<Side>(mesh, parameter.make(x), layout);
     NodeLayout strained = layout;
     strain(*parameter.strain, x - 1.0, strained.coordinates);

@@ -22,6 +22,7 @@ struct AdjointParameter {
   bool by_cell = false;
   /// Where the number is 1 + s, with a strain s of the whole mesh: its entry (StrainedMesh).
   std::optional<std::array<std::size_t, 2>> strain = {};
+  double size = 0.0;  ///< size_of_number; 0: that of the value
 };
 
 /// Derivatives of a number J by what a stage computes.

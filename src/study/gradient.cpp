@@ -90,7 +90,7 @@ class GradientStudy {
       values[n] = value;
       return numbers_.at(values);
     };
-    return {number.value, make, false};
+    return {number.value, make, false, {}, size_of_number(number.key, number.value)};
   }
   double derivative(std::size_t n) const { return run_->parameter(fields_.num_parameters() + n).derivative(); }
 

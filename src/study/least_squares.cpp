@@ -101,11 +101,12 @@ class TaoProblem {
     check(TaoSetVariableBounds(tao.get(), lower.get(), upper.get()));
     check(TaoSetResidualRoutine(tao.get(), r.get(), residual_callback, this));
     check(TaoSetJacobianResidualRoutine(tao.get(), J.get(), J.get(), jacobian_callback, this));
+    Tao inner = nullptr;
+    check(TaoBRGNGetSubsolver(tao.get(), &inner));
+    check(TaoSetConvergenceTest(inner, convergence_callback, this));
     guard_.rethrow(TaoSolve(tao.get()));
     Minimum minimum;
     minimum.x = unscaled(x.get());
-    Tao inner = nullptr;
-    check(TaoBRGNGetSubsolver(tao.get(), &inner));
     PetscInt iterations = 0;
     check(TaoGetIterationNumber(inner, &iterations));
     minimum.num_iterations = static_cast<int>(iterations);
@@ -152,7 +153,13 @@ class TaoProblem {
   /// Residuals and Jacobian come together, and TAO asks for one after the other.
   const Linearised& linearised(Vec x) {
     std::vector<double> at = unscaled(x);
-    if (!last_ || at != last_x_) last_.emplace(problem_, at);
+    if (!last_ || at != last_x_) {
+      last_.emplace(problem_, at);
+      constexpr double progress = 1e-9;  // relative
+      const double size = length(last_->r);
+      num_without_progress_ = size < (1.0 - progress) * shortest_ ? 0 : num_without_progress_ + 1;
+      shortest_ = std::min(shortest_, size);
+    }
     last_x_ = std::move(at);
     return *last_;
   }
@@ -179,6 +186,19 @@ class TaoProblem {
     return tao;
   }
 
+  /// Ends what goes to and fro among the errors of the evaluation, too.
+  static PetscErrorCode convergence_callback(Tao tao, void* context) {
+    auto& self = *static_cast<TaoProblem*>(context);
+    return self.guard_.run([&] {
+      constexpr int most_without_progress = 30;
+      check(TaoDefaultConvergenceTest(tao, nullptr));
+      TaoConvergedReason reason{};
+      check(TaoGetConvergedReason(tao, &reason));
+      if (reason == TAO_CONTINUE_ITERATING && self.num_without_progress_ > most_without_progress) {
+        check(TaoSetConvergedReason(tao, TAO_CONVERGED_STEPTOL));
+      }
+    });
+  }
   static PetscErrorCode residual_callback(Tao, Vec x, Vec r, void* context) {
     auto& self = *static_cast<TaoProblem*>(context);
     return self.guard_.run([&] {
@@ -212,6 +232,8 @@ class TaoProblem {
   std::vector<double> scale_;
   std::vector<double> last_x_;
   std::optional<Linearised> last_;
+  double shortest_ = infinity;  // residual so far
+  int num_without_progress_ = 0;
   CallbackGuard guard_;
 };
 

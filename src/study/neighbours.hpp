@@ -39,6 +39,10 @@ auto neighbours_of(double value, double size, const Make& make) {
   throw InputError({}, "a number has no neighbours");
 }
 
+/// The size of a number of an input that is not 0, of which a small part is a small change: that of its distance to 1/2
+/// for Poisson's ratio, where stiffness depends on that.
+double size_of_number(const std::string& key, double value);
+
 /// For a number whose value is 0 and whose size is unknown.
 InputError without_neighbours(const std::string& file, const std::string& key);
 

@@ -129,7 +129,7 @@ TangentRun::~TangentRun() = default;
 void TangentRun::add_pair(const Mesh& mesh, const VariedInput& input, std::span<const double> values, std::size_t n,
                           double size) {
   const double value = values[n];
-  if (value != 0.0) size = std::abs(value);
+  if (value != 0.0) size = size_of_number(input.numbers()[n].key, value);
   if (size == 0.0) throw without_neighbours(input.file(), input.numbers()[n].key);
   std::vector<double> changed(values.begin(), values.end());
   const Books books = are_of_probes(wanted_, config_) ? Books::none : Books::kept;

@@ -235,6 +235,29 @@ output: {{history: [{{name: P, of: first_piola_kirchhoff_stress_xx, take: mean}}
                                     "tests: [{kind: relaxation, data: held.csv, stretch: 1.5}]\n")
         self.assertAlmostEqual(parameters["shear_modulus"][0] / 4e5, 1, delta=1e-9)
 
+    def test_frequencies_in_radians(self):
+        w = np.geomspace(0.01, 100, 25)
+        modulus = 9e5 * (1 + sum(g * 1j * w * tau / (1 + 1j * w * tau) for g, tau in self.SERIES))
+        for name in ("frequency [rad/s]", "angular frequency [rad/s]"):
+            self.table("dma.csv", name + ",storage modulus,loss modulus", w, modulus.real, modulus.imag)
+            _, parameters, _ = self.fit("material: {model: neo-hookean, incompressible: true}\nviscosity: {model: prony, terms: 2}\n"
+                                        "residual: relative\ntests: [{kind: dma, data: dma.csv}]\n")
+            self.check_series(parameters)
+
+    def test_nearly_incompressible_bars(self):
+        # Every row has a state, whatever the resistance to a change of volume; the neo-Hookean bar is that of the closed form.
+        stretch = np.linspace(1.01, 5, 60)
+        for law in ("neo-hookean", "neo-hookean-isochoric", "yeoh", "mooney-rivlin", "gent"):
+            for nu, kind in ((0.499, "uniaxial"), (0.49999, "uniaxial"), (0.499, "equibiaxial")):
+                with self.subTest(law, nu=nu, kind=kind):
+                    rows = stretch[stretch < (3 if kind == "equibiaxial" or law == "gent" else 5)]
+                    self.table("bar.csv", "stretch,stress", rows, ogden_stress(kind, rows, [(4e5, 2)]))
+                    more = ", c20: 0, c30: 0" if law == "yeoh" else ", c01: 0" if law == "mooney-rivlin" else ", stretch_limit: 100" if law == "gent" else ""
+                    _, parameters, _ = self.fit(f"material: {{model: {law}, poissons_ratio: {nu}{more}}}\n"
+                                                f"tests: [{{kind: {kind}, data: bar.csv}}]\n")
+                    value = parameters["c10" if law in ("yeoh", "mooney-rivlin") else "shear_modulus"][0]
+                    self.assertAlmostEqual(value / (2e5 if law in ("yeoh", "mooney-rivlin") else 4e5), 1, delta=0.2)
+
     def test_dma(self):
         frequency = np.geomspace(0.002, 20, 25)
         w = 2 * np.pi * frequency
