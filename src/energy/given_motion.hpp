@@ -57,8 +57,8 @@ struct GivenDisplacement {
 /// place.
 ///
 /// Velocities and accelerations are the exact derivatives of the formulas, one-sided before t or after it (after it at
-/// t = 0, the start of the run), and where a formula jumps the value is that of the side: a step ends before the jump. Where these are not finite, as those of sqrt(t) at 0, they are differences over
-/// `time_scale`.
+/// t = 0, the start of the run), and where a formula jumps the value is that of the side: a step ends before the jump.
+/// Where these are not finite, as those of sqrt(t) at 0, they are differences over `time_scale`.
 class GivenKinematics {
  public:
   /// `given` must outlive the object. `time_scale`: the motion is smooth over this time on that side.

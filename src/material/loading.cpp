@@ -30,8 +30,8 @@ LoadedState response(const LawField& law, const Tensor3<double>& H) {
   return at;
 }
 
-/// Solves P_kk = 0 for the free H_kk; false if it does not converge. It has converged where what is left of P, or of the
-/// changes of H_kk, is rounding: a large resistance to changes of volume multiplies that in P.
+/// Solves P_kk = 0 for the free H_kk; false if it does not converge. It has converged where what is left of P, or of
+/// the changes of H_kk, is rounding: a large resistance to changes of volume multiplies that in P.
 bool release(const LawField& law, const std::vector<int>& free, Tensor3<double>& H) {
   constexpr int most_iterations = 30;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {

@@ -4,8 +4,8 @@
 ///     S(t) = S_e(t) + sum_i g_i int_0^t exp(-(t - s)/tau_i) dS_e(s),
 /// so that the free sides remain free and the specimen deforms as the elastic law alone would. In an incompressible
 /// body the branches follow the law's stresses alone, along x and across the free sides, S_x and S_f, and the pressure
-/// takes the traction from these: S(t) = S_x(t) - (lambda_f/lambda)^2 S_f(t). The nominal stress is the stretch times S (for simple shear, which is only applied at once, the nominal stress itself relaxes). Integrated
-/// by parts,
+/// takes the traction from these: S(t) = S_x(t) - (lambda_f/lambda)^2 S_f(t). The nominal stress is the stretch times S
+/// (for simple shear, which is only applied at once, the nominal stress itself relaxes). Integrated by parts,
 ///     int_0^t exp(-(t - s)/tau) dS_e = S_e(t) - 1/tau int_0^t exp(-(t - s)/tau) S_e(s) ds,
 /// which is linear in S_e: weights times its values at some stretches. Source: Simo, Comput. Methods Appl. Mech. Eng.
 /// 60 (1987) 153-173.
