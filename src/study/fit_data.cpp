@@ -146,7 +146,7 @@ class Table {
       const std::string unit = heading_of(header[place].text).unit;
       try {
         const double factor = unit.empty() ? 1.0 : parse_quantity("1 " + unit, std::string(form.unit));
-        const bool is_angular = form.name == "frequency" && unit.starts_with("rad");  // a radian is no unit
+        const bool is_angular = form.name == "frequency" && unit.starts_with("rad");  // 1 rad is 1
         return FoundColumn{place, is_angular ? factor : form.factor * factor, form.offset};
       } catch (const UnitError& error) {
         fail(line, header[place].column, fmt::format("'{}': {}", header[place].text, error.what()));

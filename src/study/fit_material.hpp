@@ -57,7 +57,7 @@ class FitMaterial {
   /// The stress of the elastic law at rest at each amount [Pa]: the nominal stress of the loading (force per reference
   /// area), or the pressure of volumetric loading. NaN where the law has no such state.
   std::vector<Sensitive> stress(std::span<const double> all, Loading loading, std::span<const double> amounts) const;
-  /// Of an incompressible material with free sides: lambda S_x and lambda S_f at each amount [Pa], with the stresses S
+  /// For an incompressible material with free sides: lambda S_x and lambda S_f at each amount [Pa], with the stresses S
   /// (second Piola-Kirchhoff) of the law alone, before a pressure, along the specimen and across its free sides, and
   /// the stretch lambda along it.
   std::vector<std::array<Sensitive, 2>> stresses_of_law(std::span<const double> all, Loading loading,
