@@ -28,7 +28,11 @@ std::optional<EnergyWatch::Growth> EnergyWatch::growth() const {
 
 std::optional<EnergyWatch::Loss> EnergyWatch::loss(const Energies& end) const {
   const Loss loss{end.numerical_dissipation, supplied_};
-  if (!(loss.dissipated > tolerated_loss * supplied_)) return std::nullopt;
+  constexpr double rounding = 1e-9;
+  const double size = end.kinetic + std::abs(end.elastic) + std::abs(end.load_work);
+  if (!(loss.dissipated > std::max(tolerated_loss * supplied_, rounding * size)) || !(supplied_ > 0.0)) {
+    return std::nullopt;
+  }
   return loss;
 }
 

@@ -269,7 +269,7 @@ std::vector<std::string> MotionWatch::look_at_tendons(const StepRecord& record) 
   constexpr double rounding = 1e-9;
   std::vector<std::string> news;
   for (auto& [name, tension, where, largest, is_told] : tendons_) {
-    const double given = tension(0.0, 0.0, 0.0, record.time);
+    const double given = tension(0.0, 0.0, 0.0, record.instant(model_).time);
     largest = std::max(largest, given);
     if (is_told || !(given < -rounding * std::max(1.0, largest))) continue;
     is_told = true;

@@ -38,7 +38,7 @@ class RootSearch::Runs {
   }
   /// Steps of descent, a few at a time, each time followed by damped ones; whether the last run was the last one.
   bool descend(int max_iterations) {
-    for (int spent = 0; spent < max_iterations; spent += turn) {
+    for (int spent = 0; spent < max_iterations; spent += 2 * turn) {
       if (run(Aim::descent, turn)) return true;
       start_here();
       continues_ = true;

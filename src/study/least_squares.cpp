@@ -79,7 +79,12 @@ class TaoProblem {
     for (std::size_t j = 0; j < at.num_columns(); ++j) {
       const double size = std::max(length(at.column(j)), shortest * longest);
       scale_.push_back(std::isfinite(size) && size > 0.0 ? 1.0 / size : 1.0);
+      const auto column = at.column(j);
+      const double gradient = scale_.back() * std::inner_product(column.begin(), column.end(), at.r.begin(), 0.0);
+      added_ = std::max(added_, std::abs(gradient));
     }
+    // As large as what has to fall: tolerances are relative to that.
+    added_ = added_ > 0.0 && added_ < 1.0 ? added_ : 1.0;
   }
 
   Minimum solve(std::span<const double> start) {
@@ -89,7 +94,7 @@ class TaoProblem {
     Handle<Mat> J;
     check(MatCreateSeqDense(PETSC_COMM_SELF, n, p, nullptr, J.out()));
     const auto is_added = [&](std::size_t j) { return j == scale_.size(); };
-    fill(x.get(), [&](std::size_t j) { return is_added(j) ? 1.0 : start[j] / scale_[j]; });
+    fill(x.get(), [&](std::size_t j) { return is_added(j) ? added_ : start[j] / scale_[j]; });
     fill(lower.get(), [&](std::size_t j) {
       return is_added(j) ? PETSC_NINFINITY : std::max(problem_.lower[j] / scale_[j], PETSC_NINFINITY);
     });
@@ -232,6 +237,7 @@ class TaoProblem {
   std::vector<double> scale_;
   std::vector<double> last_x_;
   std::optional<Linearised> last_;
+  double added_ = 0.0;          // where the added parameter starts
   double shortest_ = infinity;  // residual so far
   int num_without_progress_ = 0;
   CallbackGuard guard_;

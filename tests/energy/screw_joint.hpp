@@ -72,6 +72,7 @@ class ScrewJoint final : public DependentNodes {
     put(v, [&](PetscInt a) { return spin * slope(theta, a); });
   }
   void subtract_given(Vec /*v*/) const override {}
+  bool is_ideal() const override { return true; }
 
  private:
   static constexpr double size = 0.7;  // [m]

@@ -230,6 +230,7 @@ volumetric: mixed
 constraints: [{surface: left, displacement: [0, 0, 0]}, {surface: right, displacement_along: 0.01, direction: [1, 2, 3]}]
 loads: [{surface: right, traction: [-3e8, 1e8, 4e8]}]
 time: {method: backward-euler, step: 0.1, end: 0.2, min_step: 0.05}
+solver: {newton: {max_iterations: 10}}
 """)
         for ranks in (1, 2):
             done = self.call("run", "in.yaml", ranks=ranks)

@@ -101,8 +101,9 @@ class Motion(ProgramTest):
         jumps = {"displacement": "{surface: right, displacement: ['t < 0.05 ? 0 : 0.1', free, free]}",
                  "tie": "{equation: [{surface: right, component: x}], value: 't < 0.05 ? 0 : 0.1'}",
                  "rigid": "{surface: right, rigid: {translation: ['t < 0.05 ? 0 : 0.1', free, free], rotation: fixed}}",
+                 "free turn": "{surface: right, rigid: {translation: ['t < 0.05 ? 0 : 0.1', 0, 0], rotation: free}}",
                  "turn": "{surface: right, rigid: {translation: [0, 0, 0], rotation: {axis: [1, 0, 0], angle: 't < 0.05 ? 0 : 0.2'}}}"}
-        for name, jump in swept(list(jumps.items()), list(jumps.items())[::2]):
+        for name, jump in swept(list(jumps.items()), list(jumps.items())[1:4:2]):
             with self.subTest(name):
                 h = self.solve([held, jump], "method: quasistatic, step: 20 ms, end: 0.1")
                 self.assertEqual(np.abs(h["elastic_energy"][h["time"] < 0.051]).max(), 0)

@@ -95,8 +95,8 @@ class DependentNodes {
   virtual void refreeze(std::span<const double> /*unknowns*/, Vec /*r*/) {}
   /// Whether formulas of time move them, or joints between them. Not collective.
   virtual bool is_driven() const { return false; }
-  /// Whether the constraint does no work: no formula of time moves the nodes. Not collective.
-  virtual bool is_ideal() const { return !is_driven(); }
+  /// Whether the constraint does no work: nothing that is given moves the nodes. Not collective.
+  virtual bool is_ideal() const = 0;
   /// Removes what is prescribed from the velocities of the nodes.
   virtual void subtract_given(Vec v) const = 0;
 };

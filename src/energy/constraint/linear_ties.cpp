@@ -36,17 +36,14 @@ LinearTies::LinearTies(const NodeLayout& layout, std::span<const Slave> slaves, 
 
 void LinearTies::begin_stage(const StagePoint& stage, Vec q) {
   if (stage.accepted != nullptr) check(MatMult(C_.get(), stage.accepted, work_.get()));
+  const auto given = offsets(stage);
   {
     const ConstArrayView accepted(stage.accepted != nullptr ? stage.accepted : q), followed(work_.get());
     const ArrayView start(start_offset_.get()), end(end_offset_.get());
-    for (const auto& slave : slaves_) {
-      double u = 0.0;
-      for (const GivenTerm& g : slave.given) {
-        u += g.weight * given_[g.source](g.component, g.X, stage.time, stage.load_factor);
-      }
-      end[slave.local_entry] = u;
-      start[slave.local_entry] =
-          stage.accepted != nullptr ? accepted[slave.local_entry] - followed[slave.local_entry] : u;
+    for (std::size_t s = 0; s < slaves_.size(); ++s) {
+      const PetscInt entry = slaves_[s].local_entry;
+      end[entry] = given[s].u;
+      start[entry] = stage.accepted != nullptr ? accepted[entry] - followed[entry] : given[s].u;
     }
   }
   set_prescribed_fraction(1.0);
@@ -79,6 +76,13 @@ std::vector<Kinematics> LinearTies::offsets(double time, double time_scale, doub
     }
   }
   return result;
+}
+
+std::vector<Kinematics> LinearTies::offsets(const StagePoint& stage) const {
+  // The time before the step may lie behind a kink.
+  const double passed = stage.time - stage.step_start;
+  return passed > 0.0 ? offsets(stage.time, passed, stage.load_factor, Side::before)
+                      : offsets(stage.time, stage.dt, stage.load_factor, Side::after);
 }
 
 void LinearTies::constrain(Vec x, Vec y) const {
@@ -155,10 +159,8 @@ void LinearTies::correct(Vec x, const Offsets& offset, Correction correction) co
 }
 
 void LinearTies::start_stage(const StagePoint& stage, Vec q, Correction correction) const {
-  // The time before the step may lie behind a kink.
-  const double passed = stage.time - stage.step_start, dt = stage.dt;
-  const auto g =
-      offsets(stage.time, passed > 0.0 ? passed : dt, stage.load_factor, passed > 0.0 ? Side::before : Side::after);
+  const double dt = stage.dt;
+  const auto g = offsets(stage);
   correct(
       q, [&](std::size_t s) { return g[s].u; }, correction);
   correct(

@@ -56,6 +56,8 @@ class LinearTies {
   using Offsets = std::function<double(std::size_t slave)>;
   /// g and its rates per owned slave.
   std::vector<Kinematics> offsets(double time, double time_scale, double factor, Side side = Side::before) const;
+  /// Those of a stage.
+  std::vector<Kinematics> offsets(const StagePoint& stage) const;
   void correct(Vec x, const Offsets& offset, Correction correction) const;
   /// x = C x + offset in the entries of slaves, by the least change of all entries.
   void put_nearest(Vec x, const Offsets& offset) const;

@@ -120,7 +120,7 @@ void Mechanism::choose_columns() {
   };
   if (!are_chosen()) columns_ = Matrix(qr.householderQ()).rightCols(num_free);
   coordinates_ = columns_.transpose();
-  if (weights_.minCoeff() == 1.0) return;
+  if (weights_.minCoeff() == 1.0 || G_ref_.rows() > n) return;  // more equations than unknowns will be refused
   Matrix basis(n, n);
   basis << columns_, across_.colwise().normalized();
   coordinates_ = basis.partialPivLu().inverse().topRows(num_free);

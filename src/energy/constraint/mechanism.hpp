@@ -79,6 +79,9 @@ class Mechanism final : public DependentNodes {
   bool is_driven() const override {
     return joints_.is_driven() || std::ranges::any_of(parts_, [](const auto& part) { return part->is_moved(); });
   }
+  bool is_ideal() const override {
+    return !joints_.is_driven() && std::ranges::all_of(parts_, [](const auto& part) { return part->is_ideal(); });
+  }
   bool refreezes() const override { return !bearings_.empty(); }
   void refreeze(std::span<const double> unknowns, Vec r) override;
   /// The largest effort of friction in a bearing, from the load that it carries in a stage (StageEquation::refreeze).
@@ -122,7 +125,7 @@ class Mechanism final : public DependentNodes {
   double largest_rotation(const Vector& xi) const;
   /// The nearest solution of h(xi) = 0 about; false: none is found.
   bool approach(Vector& xi) const;
-  /// Newton's method for h(start + G_ref^T z) = 0, with the motions and G at its end; false: it does not converge.
+  /// Newton's method for h(start + D G_ref^T z) = 0, with the motions and G at its end; false: it does not converge.
   bool solve(Vector& xi, std::vector<PartMotion>& parts, Matrix& G) const;
   const Solution& at(std::span<const double> unknowns) const;
   /// The motions of the parts by the mechanism's unknowns, from those by the parts' own.

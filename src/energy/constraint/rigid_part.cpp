@@ -86,11 +86,16 @@ Placement RigidPart::nearest(Vec q) const {
                            : nearest_placement(*layout_, nodes_, centre, q);
 }
 
+GivenKinematics RigidPart::given_at(const StagePoint& stage) const {
+  const double passed = stage.time - stage.step_start;
+  return {motion_, stage.time, passed > 0.0 ? passed : stage.dt, stage.load_factor,
+          passed > 0.0 ? Side::before : Side::after};
+}
+
 void RigidPart::start_stage(const StagePoint& stage) const {
   if (rigidity_ != Rigidity::of_accelerations || free_components_.size() == 3) return;
-  const double passed = stage.time - stage.step_start, dt = stage.dt;
-  const GivenKinematics given(motion_, stage.time, passed > 0.0 ? passed : dt, stage.load_factor,
-                              passed > 0.0 ? Side::before : Side::after);
+  const double dt = stage.dt;
+  const GivenKinematics given = given_at(stage);
   const Vector3<double> q0 = (*fit_)(*layout_, nodes_, stage.q0).translation;
   const Vector3<double> v0 = (*fit_)(*layout_, nodes_, stage.v0).translation;
   const ArrayView q(stage.q0), v(stage.v0);
@@ -146,10 +151,8 @@ void RigidPart::begin_end_of_step(Vec q) {
 }
 
 void RigidPart::begin_stage(const StagePoint& stage, Vec q) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto& component = motion_.rigid->translation[i];
-    given_translation_[i] = component ? stage.load_factor * (*component)(0.0, 0.0, 0.0, stage.time) : 0.0;
-  }
+  const GivenKinematics given = given_at(stage);
+  for (int i = 0; i < 3; ++i) given_translation_[i] = motion_.gives(i) ? given(i, motion_.rigid->centre).u : 0.0;
   shape_ = shape_of(stage);
   reference_ = nearest_rotation((*fit_)(*layout_, nodes_, q).gradient);
   at_ = {};

@@ -7,6 +7,7 @@
 #include "energy/rigid/joint_equation.hpp"
 #include "fem/layout.hpp"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -117,7 +118,12 @@ class RigidPart final : public DependentNodes {
   RigidState state(const Step& step, Side side, Vec q, Vec v) const;
   /// Whether a formula of time moves it. Not collective.
   bool is_moved() const { return motion_.rigid->depends_on_time(); }
-  bool is_ideal() const override { return !is_moved(); }
+  /// No component of the translation is given, or it is 0 for good.
+  bool is_ideal() const override {
+    return std::ranges::all_of(motion_.rigid->translation, [](const std::optional<Expression>& given) {
+      return !given || (given->is_zero() && !given->is_replaceable());
+    });
+  }
   /// The same without what is prescribed: as it is. Collective.
   RigidState state(Vec q, Vec v) const;
   /// Moves a state by unknowns, and changes its velocities by rates of them.
@@ -148,6 +154,7 @@ class RigidPart final : public DependentNodes {
   BodyMotion<double> second_derivative(std::span<const double> unknowns, std::size_t k, std::size_t l) const;
   /// The motion at the unknowns, kept for the next call.
   const PartMotion& at(std::span<const double> unknowns) const;
+  GivenKinematics given_at(const StagePoint& stage) const;
   Vector3<double> arm(PetscInt node) const { return layout_->position(node) - motion_.rigid->centre; }
   Placement nearest(Vec q) const;
   RigidState nearest_state(const GivenKinematics& given, Vec q, Vec v) const;

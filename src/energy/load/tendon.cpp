@@ -30,7 +30,8 @@ double stretch(const TendonSpring& spring, double lengthening, double time, doub
 
 double tension_at_pulled_end(const TendonDrive& drive, double lengthening, double time, double factor) {
   if (const auto* given = std::get_if<GivenTension>(&drive)) {
-    return factor * std::max(0.0, at_time(given->tension, time));  // NaN remains NaN
+    const double T = at_time(given->tension, time);
+    return factor * (T < 0.0 ? 0.0 : T);  // NaN remains NaN
   }
   const auto& spring = std::get<TendonSpring>(drive);
   return spring.stiffness * stretch(spring, lengthening, time, factor);
