@@ -132,8 +132,18 @@ void report_command(MPI_Comm comm, const ReportOptions& options, Console& consol
     };
     // Asked before the page is written: else a run that ends meanwhile would leave a page without its end.
     bool is_last = !options.watch || have_ended();
+    // Where a run goes on, the result may be in the middle of being written: then it is read again.
     const auto write = [&] {
-      return hdf5_in_child(files.front(), [&] { return write_page(files, options, is_last); });
+      constexpr int most_tries = 50;
+      constexpr std::chrono::milliseconds pause(100);
+      for (int n = 1;; ++n) {
+        try {
+          return hdf5_in_child(files.front(), [&] { return write_page(files, options, is_last); });
+        } catch (const FileError&) {
+          if (is_last || n == most_tries) throw;
+        }
+        std::this_thread::sleep_for(pause);
+      }
     };
     console.print(write());
     if (is_last) return;
