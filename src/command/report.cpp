@@ -132,7 +132,7 @@ void report_command(MPI_Comm comm, const ReportOptions& options, Console& consol
     };
     // Asked before the page is written: else a run that ends meanwhile would leave a page without its end.
     bool is_last = !options.watch || have_ended();
-    // Where a run goes on, the result may be in the middle of being written: then it is read again.
+    // A running simulation may be writing the result: reading it is tried again.
     const auto write = [&] {
       constexpr int most_tries = 50;
       constexpr std::chrono::milliseconds pause(100);

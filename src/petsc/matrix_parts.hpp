@@ -72,8 +72,8 @@ class MatrixRows {
   const PetscInt *numbers_ = nullptr, *offsets_ = nullptr, *columns_ = nullptr;
 };
 
-/// D = the diagonal of A, of which every row has its entry. MatGetDiagonal takes ten times as long: it looks for the
-/// entries one after another.
+/// D = the diagonal of A, whose rows all have their diagonal entry. Unlike MatGetDiagonal, which reads rows from their
+/// start, this searches by bisection. Not collective.
 void get_diagonal(Mat A, Vec D);
 
 /// A flag of each column of both parts of A, from those of its owned rows. A is square. Collective.

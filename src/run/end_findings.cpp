@@ -46,13 +46,15 @@ std::vector<Diagnostic> findings_about_energy(const Config& config, const Energy
                                               double longest_step) {
   std::vector<Diagnostic> found;
   if (const auto growth = watch.growth()) {
+    const std::string name = method_name(config.time.method);
+    const bool damps = name == "bdf2" || name == "dirk22" || name == "dirk33";
     found.push_back(
         {Severity::warning, config.time.method.where,
          fmt::format("the energy grew without work: at t = {:.6g} s it was {:.3g} times the energy supplied{}, with "
-                     "steps of {:g} s of '{}'; use shorter steps or bdf2, dirk22 or dirk33, or damp the vibrations "
-                     "with a viscosity",
+                     "steps of {:g} s of '{}'; use shorter steps{}, damp the vibrations with a viscosity, or replace "
+                     "jumps of prescribed displacements by ramps",
                      growth->time, growth->factor, growth->includes_dissipation ? " (including dissipation)" : "",
-                     longest_step, method_name(config.time.method))});
+                     longest_step, name, damps ? "" : " or bdf2, dirk22 or dirk33")});
   }
   if (const auto loss = watch.loss(end)) found.push_back(finding_about_loss(config, *loss, end.kinetic, longest_step));
   return found;

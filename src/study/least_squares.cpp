@@ -47,8 +47,8 @@ bool is_held(const LeastSquaresProblem& problem, std::span<const double> x, std:
   return (x[j] - problem.lower[j] <= room && gradient >= 0.0) || (problem.upper[j] - x[j] <= room && gradient <= 0.0);
 }
 
-/// The largest cosine of the angle between the residual and a column that can move; 0 if there is no residual, or if
-/// what it would change is rounding.
+/// The largest cosine of the angle between the residual and a column that can move; 0 if the residual, or the change of
+/// the parameters that it asks for, is as small as rounding errors.
 double orthogonality(const LeastSquaresProblem& problem, std::span<const double> x) {
   const Linearised at(problem, x);
   if (!is_finite(at.r) || !is_finite(at.J)) return nan;

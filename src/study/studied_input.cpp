@@ -29,7 +29,7 @@ void require_convergence(const Config& config, Refine refine) {
   const bool has_mesh = !config.mesh.file.value.empty() || !config.shells.empty();
   if (refine == Refine::space && !has_mesh) {
     throw InputError({config.file, 0, 0},
-                     "there is no mesh to refine: rigid bodies have no error in space; a study in time compares steps");
+                     "the input has only rigid bodies, so refining a mesh changes nothing; use `--in time`");
   }
   if (refine == Refine::tolerance && !config.time.adaptive) {
     throw InputError(config.time.method.where, "a study by tolerance needs `adaptive` in time");

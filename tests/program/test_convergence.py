@@ -225,7 +225,7 @@ time: {{method: static}}
     def test_rigid_bodies_alone_have_no_mesh_to_refine(self):
         self.write("in.yaml", "rigid_bodies: [{name: brick, mass: 1, inertia: [1, 1, 1], center: [0, 0, 0], velocity: [1, 0, 0]}]\n"
                    "time: {method: bdf2, step: 10 ms, end: 0.1}\n")
-        self.assertIn("in.yaml: there is no mesh to refine", self.pliant("converge", "in.yaml", "--in", "space", status=2).stderr)
+        self.assertIn("the input has only rigid bodies", self.pliant("converge", "in.yaml", "--in", "space", status=2).stderr)
 
     def test_mistakes(self):
         cases = {

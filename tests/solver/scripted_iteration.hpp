@@ -2,10 +2,32 @@
 #pragma once
 
 #include "solver/iteration.hpp"
+#include "solver/small_equation.hpp"
 
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace pliant::test {
+
+/// An equation that is asked for nothing but its kind: with a potential, or with the names of what has none.
+class AnyEquation final : public SmallEquation {
+ public:
+  AnyEquation(std::vector<std::string> non_potentials, bool is_static)
+      : SmallEquation(MPI_COMM_WORLD,
+                      {1, [](auto) { return std::vector{1.0}; }, [](auto) { return std::vector{1.0}; }}),
+        non_potentials_(std::move(non_potentials)),
+        is_static_(is_static) {}
+  std::vector<std::string> non_potentials() const override { return non_potentials_; }
+  Symmetry symmetry() const override {
+    return non_potentials_.empty() ? Symmetry::symmetric : SmallEquation::symmetry();
+  }
+  bool is_static() const override { return is_static_; }
+
+ private:
+  std::vector<std::string> non_potentials_;
+  bool is_static_;
+};
 
 /// Runs that do what the test says, and what was asked of them.
 class Script final : public Iteration {

@@ -1,7 +1,6 @@
 // What is tried in which order without inertia, on a scripted iteration.
 #include "solver/equilibrium.hpp"
 #include "solver/scripted_iteration.hpp"
-#include "solver/small_equation.hpp"
 
 #include <vector>
 
@@ -11,17 +10,6 @@ namespace pliant::test_equilibrium_search {
 namespace {
 
 using test::Script;
-
-/// A potential, of which nothing is asked.
-class Flat final : public test::SmallEquation {
- public:
-  Flat()
-      : SmallEquation(MPI_COMM_WORLD,
-                      {1, [](auto) { return std::vector{1.0}; }, [](auto) { return std::vector{1.0}; }}) {}
-  std::vector<std::string> non_potentials() const override { return {}; }
-  Symmetry symmetry() const override { return Symmetry::symmetric; }
-  bool is_static() const override { return true; }
-};
 
 class EquilibriumSearches : public ::testing::Test {
  protected:
@@ -38,7 +26,7 @@ class EquilibriumSearches : public ::testing::Test {
     return report;
   }
 
-  Flat equation_;
+  test::AnyEquation equation_{{}, true};
   SolverStatistics statistics_;
   Objective objective_{equation_, statistics_};
   Handle<Vec> q_ = equation_.filled(1.0);

@@ -1,7 +1,6 @@
 // What is tried in which order where there is no potential, on a scripted iteration.
 #include "solver/root_search.hpp"
 #include "solver/scripted_iteration.hpp"
-#include "solver/small_equation.hpp"
 
 #include <vector>
 
@@ -12,21 +11,10 @@ namespace {
 
 using test::Script;
 
-class Residual final : public test::SmallEquation {
- public:
-  explicit Residual(bool is_static)
-      : SmallEquation(MPI_COMM_WORLD,
-                      {1, [](auto) { return std::vector{1.0}; }, [](auto) { return std::vector{1.0}; }}),
-        is_static_(is_static) {}
-  std::vector<std::string> non_potentials() const override { return {"residual"}; }
-  bool is_static() const override { return is_static_; }
-
- private:
-  bool is_static_;
-};
-
 struct Search {
-  explicit Search(bool is_static = false) : equation(is_static) { objective.begin_stage({.q0 = q.get()}); }
+  explicit Search(bool is_static = false) : equation({"residual"}, is_static) {
+    objective.begin_stage({.q0 = q.get()});
+  }
   StageReport stage(std::size_t failures, int max_iterations = 50) {
     script.runs.clear();
     script.failures = failures;
@@ -35,7 +23,7 @@ struct Search {
     return report;
   }
 
-  Residual equation;
+  test::AnyEquation equation;
   SolverStatistics statistics;
   Objective objective{equation, statistics};
   Handle<Vec> q = equation.filled(1.0);
