@@ -212,6 +212,7 @@ std::vector<EdgePair> edge_pairs(const CollisionSurface& surface, std::span<cons
   const auto X = surface.rest_positions();
   for (const BoxPair& pair : candidates) {
     const auto &a = surface.edges()[pair.first], &b = surface.edges()[pair.second];
+    if (a.is_flat || b.is_flat) continue;
     const auto [a0, a1] = a.vertices;
     const auto [b0, b1] = b.vertices;
     if (!(closest_edge_edge(std::array{x[a0], x[a1], x[b0], x[b1]}).squared_distance < reach * reach)) continue;

@@ -12,7 +12,8 @@
 /// the triangles around them cancels, so that a flat surface does not feel itself. Each side contributes one half.
 /// Corners are points of the rule, and pairs of edges have a part of their own, faded out by m as they become parallel:
 /// with a barrier no vertex passes a triangle and no edge another. Only the first sum makes a uniform pressure; the
-/// second adds to it where edges cross, so that edge_share should be small.
+/// second adds to it where edges cross, so that edge_share should be small. Flat edges of rigid parts have no share: an
+/// edge cannot reach one without a vertex that meets the plane, or a crossing of the plane's rim.
 ///
 /// A segment of a rod (collision/surface.hpp) is a triangle that is nothing but its edge: what its points see, and what
 /// others see of it, is the same sum, in which two segments at a vertex have m_v = -1. Its points have areas of its

@@ -43,7 +43,8 @@ CollisionSurface::CollisionSurface(std::span<const SurfaceVertex> vertices,
     rest_positions_.push_back(sorted[n].X);
   }
   for (const auto& given : triangles) {
-    Triangle triangle{.body = given.body, .group = given.group, .thickness = given.thickness};
+    Triangle triangle{
+        .body = given.body, .group = given.group, .rigid_part = given.rigid_part, .thickness = given.thickness};
     for (int k = 0; k < 3; ++k) {
       const auto place = std::ranges::lower_bound(sorted, given.vertices[k], {}, &SurfaceVertex::key);
       triangle.vertices[k] = static_cast<std::int32_t>(place - sorted.begin());
@@ -65,6 +66,7 @@ CollisionSurface::CollisionSurface(std::span<const SurfaceVertex> vertices,
   };
   triangles_.erase(std::unique(triangles_.begin(), triangles_.end(), is_repeated), triangles_.end());
   number_edges();
+  mark_flat_edges();
   for (const Triangle& triangle : triangles_) {
     for (const std::int32_t edge : triangle.sides()) {
       edges_[edge].area += triangle.area / static_cast<double>(triangle.sides().size());
@@ -99,6 +101,35 @@ void CollisionSurface::number_edges() {
       triangle.edges[k] = static_cast<std::int32_t>(place - edges_.begin());
       place->is_loose = place->is_loose && triangle.is_segment();
     }
+  }
+}
+
+void CollisionSurface::mark_flat_edges() {
+  constexpr double angle = 1e-7;  // of rounding errors in the coordinates
+  struct Around {
+    int number = 0;
+    std::int32_t rigid_part = 0;
+    Vector3<double> normal{};
+    bool is_plane = true;
+  };
+  std::vector<Around> around(edges_.size());
+  for (const Triangle& triangle : triangles_) {
+    if (triangle.is_thin()) continue;
+    const auto [a, b, c] = triangle.vertices;
+    const Vector3<double> normal =
+        unit(cross(rest_positions_[b] - rest_positions_[a], rest_positions_[c] - rest_positions_[a]));
+    for (const std::int32_t edge : triangle.edges) {
+      Around& at = around[edge];
+      if (at.number++ == 0) {
+        at.rigid_part = triangle.rigid_part;
+        at.normal = normal;
+      } else {
+        at.is_plane = at.is_plane && at.rigid_part == triangle.rigid_part && norm(at.normal - normal) < angle;
+      }
+    }
+  }
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    edges_[e].is_flat = around[e].number == 2 && around[e].rigid_part != 0 && around[e].is_plane;
   }
 }
 

@@ -30,6 +30,7 @@ struct SurfaceTriangle {
   std::int32_t body = 0;                ///< which body it is of
   std::int32_t group = 0;               ///< which named surface it is of
   double thickness = 0.0;               ///< of a shell, both of whose sides are outside, or of a rod [m]; 0: of a solid
+  std::int32_t rigid_part = 0;          ///< with which it moves as a rigid body, from 1; 0: it deforms
 };
 
 /// The order of a triangle's corners that does not depend on the one in which they are given: the least first, in the
@@ -48,11 +49,13 @@ class CollisionSurface {
     std::int32_t body = 0;
     double area = 0.0;      ///< a third of that of its triangles, all of that of its segment [m^2]
     bool is_loose = false;  ///< of segments only
+    bool is_flat = false;   ///< between two triangles of one rigid part in one plane, which it is inside of for ever
   };
   struct Triangle {
     std::array<std::int32_t, 3> vertices{};  ///< the one of the least key first, in the order given
     std::array<std::int32_t, 3> edges{};     ///< edge k runs from vertex k to the next
     std::int32_t body = 0, group = 0;
+    std::int32_t rigid_part = 0;
     double area = 0.0;       ///< [m^2]
     double thickness = 0.0;  ///< of a shell or a rod [m]; 0: of a solid
 
@@ -84,6 +87,7 @@ class CollisionSurface {
  private:
   /// Sets the edges, and those of the triangles.
   void number_edges();
+  void mark_flat_edges();
 
   std::vector<Vertex> vertices_;
   std::vector<Edge> edges_;

@@ -135,9 +135,9 @@ void BodyContacts::add(const TouchingSurfaces& touching, const std::vector<doubl
   part->facets_of_body.assign(body_names_.size(), 0.0);
   for (PetscInt facet = 0; facet < touching.facets.size(); ++facet) {
     if (!touching.facets.is_owned[facet]) continue;
-    const auto [body, set, thickness] = touching.sides[facet];
-    part->facets_of_body[body] += 1.0;
-    for (std::size_t k = 0; k < 2; ++k) part->facets_of_side[k] += touching.set_is_on_side[set][k] ? 1.0 : 0.0;
+    const FacetSide& side = touching.sides[facet];
+    part->facets_of_body[side.body] += 1.0;
+    for (std::size_t k = 0; k < 2; ++k) part->facets_of_side[k] += touching.set_is_on_side[side.set][k] ? 1.0 : 0.0;
   }
   sum_in_place(layout_.comm, part->facets_of_body);
   for (double& count : part->facets_of_side) count = sum(layout_.comm, count);

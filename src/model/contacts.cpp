@@ -137,6 +137,7 @@ Contacts::Contacts(const ContactConfig& config, Analysis analysis, const Contact
   make_terms_of_obstacles(has_velocity);
   if (touching.empty()) return;
   for (TouchingSurfaces& entry : touching) {
+    mark_rigid_parts(bodies.rigid_part, entry);
     if (entry.law == NormalKind::penalty) mark_planes_of_symmetry(layout_, bodies.prescribed, entry);
   }
   between_ = std::make_unique<BodyContacts>(config_, layout_, std::move(touching), body_names_, bodies.shear_moduli,

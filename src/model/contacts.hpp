@@ -25,6 +25,7 @@ struct ContactBodies {
   const std::vector<std::string>& names;    ///< of the bodies
   const std::vector<double>& shear_moduli;  ///< per body, of its stiffest part at rest [Pa]
   const std::vector<char>& prescribed;      ///< one flag per local entry
+  const std::vector<int>& rigid_part;       ///< of each local node, from 1; 0: it is of none
   const ThinBodies& thin;
   const std::vector<double>& start;   ///< displacements of local nodes at the start [m]
   std::span<const char> is_left_out;  ///< local cells that are not of the mesh (cells_without_mesh)

@@ -244,7 +244,8 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
     contacts_ = std::make_unique<Contacts>(
         *config.contact, analysis_of(config),
         ContactBodies{may_touch.obstacles, layout_, *pattern_, body_of_cell_, body_names_,
-                      may_touch.moduli(config, shear_moduli_), constraints_->prescribed().flags(), may_touch.thin,
+                      may_touch.moduli(config, shear_moduli_), constraints_->prescribed().flags(),
+                      constraints_->rigid_parts(), may_touch.thin,
                       initial_displacement(config.initial.displacement, layout_), not_of_mesh},
         may_touch.each_other);
     include(contacts_->description());

@@ -379,6 +379,15 @@ void mark_planes_of_symmetry(const NodeLayout& layout, std::span<const char> pre
   touching.set_is_on_side.insert(touching.set_is_on_side.end(), sides.begin(), sides.end());
 }
 
+void mark_rigid_parts(std::span<const int> rigid_part, TouchingSurfaces& touching) {
+  for (PetscInt facet = 0; facet < touching.facets.size(); ++facet) {
+    const auto nodes = touching.facets.nodes_of(facet);
+    const int part = rigid_part[nodes[0]];
+    const bool is_rigid = std::ranges::all_of(nodes, [&](PetscInt node) { return rigid_part[node] == part; });
+    touching.sides[facet].rigid_part = is_rigid ? part : 0;
+  }
+}
+
 std::vector<char> components_kept_apart(MPI_Comm comm, const Components& components,
                                         std::span<const TouchingSurfaces> touching) {
   const auto count = static_cast<std::size_t>(components.count);

@@ -60,6 +60,10 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
 /// their corners are prescribed, and one is free otherwise. `prescribed`: one flag per local entry. Not collective.
 void mark_planes_of_symmetry(const NodeLayout& layout, std::span<const char> prescribed, TouchingSurfaces& touching);
 
+/// Notes which facets move with a rigid part: `rigid_part`, its number of each local node, from 1; 0: none. Not
+/// collective.
+void mark_rigid_parts(std::span<const int> rigid_part, TouchingSurfaces& touching);
+
 /// For each two components whether contact keeps them apart, or the input lets them pass by `contact.exclude`, by rows:
 /// all their outer facets may touch each other, or, with a penalty, which knows the whole surfaces, some. Collective.
 std::vector<char> components_kept_apart(MPI_Comm comm, const Components& components,

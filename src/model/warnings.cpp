@@ -215,6 +215,27 @@ void check_gravity(const Config& config, Warnings& warnings) {
   }
 }
 
+/// Whether bodies rub on one another or on obstacles.
+bool has_friction(const ContactConfig& contact) {
+  const auto rubs = [&](const auto& of) { return contact.friction(of.drag).acts(); };
+  return rubs(contact) || std::ranges::any_of(contact.obstacles, rubs) || std::ranges::any_of(contact.pairs.list, rubs);
+}
+
+void check_rods(const Config& config, Warnings& warnings) {
+  const bool rubs = config.contact && has_friction(*config.contact);
+  for (const RodConfig& rod : config.rods) {
+    const double shear_modulus = 0.5 * rod.youngs_modulus / (1.0 + rod.poissons_ratio);
+    if (!is_without_units(rod.density, shear_modulus)) check_density(rod.density, rod.where, warnings);
+    const bool may_turn = rod.curve.empty() && rod.start.value.empty() && rod.end.value.empty();
+    if (!rubs || !may_turn) continue;
+    warnings.add(
+        rod.where,
+        fmt::format("friction acts on rod '{}' at its axis and not at its surface: the rod slides or sticks, and "
+                    "does not roll; mesh it as a solid if rolling matters",
+                    rod.name));
+  }
+}
+
 }  // namespace
 
 std::vector<Diagnostic> warnings_about(const Config& config) {
@@ -241,10 +262,7 @@ std::vector<Diagnostic> warnings_about(const Config& config) {
     check_body(config, body, warnings);
     check_stability(body, warnings);
   }
-  for (const RodConfig& rod : config.rods) {
-    const double shear_modulus = 0.5 * rod.youngs_modulus / (1.0 + rod.poissons_ratio);
-    if (!is_without_units(rod.density, shear_modulus)) check_density(rod.density, rod.where, warnings);
-  }
+  check_rods(config, warnings);
   for (const ShellConfig& shell : config.shells) check_density(shell.density.value_or(0.0), shell.where, warnings);
   check_angles(config, warnings);
   check_gravity(config, warnings);

@@ -48,7 +48,7 @@ Convergence::Verdict Convergence::judge(int iteration, double residual, Vec q, b
     if (residual > unbalanced_part * scale_) ++statistics_.unbalanced_stops;
     return Verdict::converged;
   }
-  if (iteration == 0) start_ = {residual, norm(q)};
+  if (iteration == 0) start_ = {residual, size_of(q)};
   const bool may_be_rounding = iteration > 0 || starts_at_solution_;
   if (!line_search_is_at_rounding && !(may_be_rounding && is_rounding(residual, q))) return Verdict::iterating;
   count_rounding(residual, q);
@@ -76,6 +76,11 @@ void Convergence::lower_scale(Vec q) {
   if (now < much_less * scale_) scale_ = now;
 }
 
+// Unknowns of rigid parts count from their place at the guess, and pressures are no lengths.
+double Convergence::size_of(Vec q) {
+  return norm(objective_.equation().displacements(q));
+}
+
 bool Convergence::is_rounding(double residual, Vec q) {
   // It is not a number where the constraints cannot be fulfilled.
   double floor = rounding_safety * objective_.equation().rounding_floor(q);
@@ -86,7 +91,7 @@ bool Convergence::is_rounding(double residual, Vec q) {
     floor = rounding_safety * objective_.equation().rounding_floor(q);
     if (!(residual <= floor)) return false;
   }
-  return start_.allows_rounding(residual, floor, norm(q));
+  return start_.allows_rounding(residual, floor, size_of(q));
 }
 
 }  // namespace pliant

@@ -68,6 +68,8 @@ class Convergence {
 
  private:
   bool is_rounding(double residual, Vec q);
+  /// The norm of the displacements, to which rounding errors of forces are proportional [m].
+  double size_of(Vec q);
   void lower_scale(Vec q);
 
   Objective& objective_;

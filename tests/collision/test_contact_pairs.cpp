@@ -143,6 +143,25 @@ TEST(ContactPairs, PointSlidesOverAFlatSurfaceAsOverAPlane) {
   EXPECT_GT(seen, 300);
 }
 
+// The edges of the tip cross those of the floor, which are none of the body.
+TEST(ContactPairs, EdgesInsideAPlaneOfARigidBodyPushNothing) {
+  constexpr double share = 0.05;
+  const auto edges_near = [](const Contact& contact) {
+    auto x = contact.rest();
+    RandomPoints random(5);
+    std::size_t number = 0;
+    for (int trial = 0; trial < 200; ++trial) {
+      place_probe(x, {random.number(0.15, 0.85), random.number(0.15, 0.85), 0.04});
+      number += contact.pairs(x).edges.size();
+    }
+    return number;
+  };
+  SurfaceInput floor = patch(6, 0.0, 0, 0, 1);
+  EXPECT_GT(edges_near(probe_over(floor, share)), 50U);
+  for (auto& triangle : floor.triangles) triangle.rigid_part = 1;
+  EXPECT_EQ(edges_near(probe_over(floor, share)), 0U);
+}
+
 /// Forces over a bumpy surface change no faster than the way: a tenth of the step, a tenth of the largest change.
 TEST(ContactPairs, PotentialIsContinuouslyDifferentiableAcrossEdges) {
   SurfaceInput floor = patch(6, 0.0, 0, 0, 3);

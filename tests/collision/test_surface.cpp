@@ -26,6 +26,24 @@ TEST(Surface, OfACube) {
   EXPECT_NEAR(surface.longest_edge(), std::sqrt(2.0), 1e-15);
 }
 
+std::ptrdiff_t num_flat_edges(const CollisionSurface& surface) {
+  return std::ranges::count_if(surface.edges(), [](const auto& edge) { return edge.is_flat; });
+}
+
+TEST(Surface, HasFlatEdgesInPlaneFacesOfOneRigidPart) {
+  SurfaceInput input = cube();
+  EXPECT_EQ(num_flat_edges(input.surface()), 0);  // it deforms
+  for (auto& triangle : input.triangles) triangle.rigid_part = 1;
+  EXPECT_EQ(num_flat_edges(input.surface()), 6);  // the diagonals
+  input.vertices[7].X[2] += 1e-5;
+  EXPECT_LT(num_flat_edges(input.surface()), 6);
+  SurfaceInput plate = patch(4, 0.0, 0, 0, 3);
+  for (auto& triangle : plate.triangles) triangle.rigid_part = 2;
+  EXPECT_EQ(num_flat_edges(plate.surface()), 40);  // all but the 16 of the rim
+  for (std::size_t t = 0; t < plate.triangles.size(); t += 2) plate.triangles[t].rigid_part = 1;
+  EXPECT_LT(num_flat_edges(plate.surface()), 16);  // not those between two parts
+}
+
 TEST(Surface, DoesNotDependOnTheOrderOfItsInput) {
   SurfaceInput input = patch(5, 0.0, 0, 0, 3);
   const auto surface = input.surface();

@@ -34,6 +34,19 @@ loads: [{gravity: [0, 0, -9.81]}]
             for column in ("cube_qw", "cube_qx", "cube_qy", "cube_qz", "cube_wx", "kinetic_energy"):
                 np.testing.assert_allclose(one[column], without[column], rtol=1e-7, atol=1e-8, err_msg=column)
 
+    def test_flies_straight_without_forces(self):
+        # All forces of a stage are rounding errors.
+        write_box(self.directory / "box.msh", (2, 2, 2))
+        text = """mesh: {file: box.msh}
+bodies: [{density: 1000, rigid: true}]
+initial: {velocity: [0.3, 0, -1]}
+"""
+        methods = ("dirk33", "backward-euler", "dirk22", "bdf2", "dirk23", "bdf3", "implicit-midpoint", "symplectic-dirk22")
+        for method in swept(methods, methods[:3]):
+            one = self.solve(text, f"method: {method}, step: 1 ms, end: 50 ms")
+            self.assertLess(max(one["newton_iterations"]), 10, method)
+            np.testing.assert_allclose(one["pz"], -1000, rtol=1e-9, err_msg=method)
+
     def test_a_shape_rests_on_a_soft_body(self):
         write_cube(self.directory / "cube.stl", (0.2, 0.2, 1.001), (0.8, 0.8, 1.4))
         write_box(self.directory / "box.msh", (3, 3, 2))

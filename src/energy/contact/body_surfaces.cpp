@@ -87,8 +87,8 @@ CollisionSurface gathered_surface(const NodeLayout& layout, const FacetList& fac
   for_each_triangle(facets, [&](const std::array<PetscInt, 3>& nodes, PetscInt facet) {
     if (!facets.is_owned[facet]) return;
     const auto key = [&](int k) { return VertexKey{layout.global_node(nodes[k])}; };
-    const auto [body, set, thickness] = sides[facet];
-    triangles.push_back({{key(0), key(1), key(2)}, body, set, thickness});
+    const auto [body, set, thickness, rigid_part] = sides[facet];
+    triangles.push_back({{key(0), key(1), key(2)}, body, set, thickness, rigid_part});
   });
   return CollisionSurface(gathered(layout.comm, vertices), gathered(layout.comm, triangles));
 }

@@ -17,7 +17,8 @@ namespace pliant {
 struct FacetSide {
   std::int32_t body = 0;
   std::int32_t set = 0;
-  double thickness = 0.0;  ///< of a free shell or a rod [m]; 0: it is a side of a solid
+  double thickness = 0.0;       ///< of a free shell or a rod [m]; 0: it is a side of a solid
+  std::int32_t rigid_part = 0;  ///< with which it moves as a rigid body, from 1; 0: it deforms
 };
 
 /// The nodes of a segment of a rod from a to b as those of a facet: its last two corners are one (collision/surface).
