@@ -49,7 +49,8 @@ class StageEquation {
   virtual void drag(Vec /*q*/, Vec /*at*/, Vec f) { check(VecZeroEntries(f)); }
 
   /// Sets the prescribed motion (Dirichlet boundary conditions), except for prescribed entries of q, to a fraction
-  /// between the accepted state (0) and the end of the stage (1), where it is after `enter`.
+  /// between the accepted state (0) and the end of the stage (1), where it is after `enter`. At a smaller fraction
+  /// `max_step` and `max_step_to_wall` are those of displacements that come with the rest of it.
   virtual void set_prescribed_fraction(double /*fraction*/) {}
   /// q = the accepted state, with each free body moved rigidly as its inertia carries it; false, and q unchanged, if
   /// there is no such body.

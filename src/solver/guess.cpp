@@ -47,17 +47,24 @@ void GuessSearch::remember(Vec solution) {
   check(VecCopy(solution, last_.get()));
 }
 
+double GuessSearch::max_step_to_wall(Vec accepted, Vec displacement, StageEquation::Walls walls) {
+  equation_.set_prescribed_fraction(0.0);
+  const double bound = equation_.max_step_to_wall(accepted, displacement, walls);
+  equation_.set_prescribed_fraction(1.0);
+  return bound;
+}
+
 bool GuessSearch::stop_short_of_walls(Vec accepted, Vec candidate) {
   if (accepted == nullptr || !equation_.has_walls()) return true;
   Vec displacement = correction_.get();
   check(VecWAXPY(displacement, -1.0, accepted, candidate));
   auto walls = StageEquation::Walls::all;
-  double bound = inversion_margin * equation_.max_step_to_wall(accepted, displacement, walls);
+  double bound = inversion_margin * max_step_to_wall(accepted, displacement, walls);
   if (!(bound > 0.0)) {
     // An obstacle has moved onto the accepted state, and no displacement is possible. The potential shows whether the
     // guess is clear of obstacles, but not whether bodies have passed each other.
     walls = StageEquation::Walls::two_sided;
-    bound = inversion_margin * equation_.max_step_to_wall(accepted, displacement, walls);
+    bound = inversion_margin * max_step_to_wall(accepted, displacement, walls);
   }
   if (!(bound < 1.0)) return true;
   if (!(bound > 0.0)) return false;
@@ -67,7 +74,7 @@ bool GuessSearch::stop_short_of_walls(Vec accepted, Vec candidate) {
   // What is prescribed moves all the way nevertheless: bodies that only distances without sign hold apart could be
   // beyond each other then, with a finite potential.
   check(VecWAXPY(displacement, -1.0, accepted, candidate));
-  return !(equation_.max_step_to_wall(accepted, displacement, walls) < 1.0);
+  return !(max_step_to_wall(accepted, displacement, walls) < 1.0);
 }
 
 // In the obstacle's frame the accepted state stays where it was, and no obstacle has moved onto it.

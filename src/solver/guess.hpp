@@ -48,6 +48,8 @@ class GuessSearch {
 
   /// Makes the candidate the guess if it is better.
   void consider(Vec candidate, Vec q, double& measure);
+  /// How much of a displacement from the accepted state, with what is prescribed, comes before the first wall.
+  double max_step_to_wall(Vec accepted, Vec displacement, StageEquation::Walls walls);
   /// Shortens the displacement of the free entries from the accepted state to the candidate if it would cross a wall.
   /// False if the prescribed displacements cross it nevertheless.
   bool stop_short_of_walls(Vec accepted, Vec candidate);

@@ -164,12 +164,24 @@ Physical Volume("block") = {2};
 Physical Surface("floor") = {5};
 Mesh.MeshSizeMax = 0.7;
 """)
-        text = two_blocks(file="paddle.geo", young="1e6", time="method: backward-euler, step: 4 ms, end: 0.024")
-        text = text.replace("{surface: floor, displacement: [0, 0, 0]}", '{volume: base, displacement: [0, 0, "2*t"]}')
-        h = self.run_input(self.write("paddle.yaml", text.replace(f"{-G}", "0")), output="paddle")
-        self.assertEqual(places_inside(self.directory / "paddle"), 0)
-        block = 1000 * 0.02 * 0.02 * 0.003
-        self.assertGreater(h["pz"][-1] - 1000 * 0.04 * 0.04 * 0.005 * 2, 0.9 * 2 * block)
+        text = two_blocks(file="paddle.geo", young="1e6", time="method: backward-euler, step: 4 ms, end: 0.024").replace(f"{-G}", "0")
+        constraint = "constraints: [{surface: floor, displacement: [0, 0, 0]}]\n"
+        self.assertIn(constraint, text)
+        law = bodies("1e6").splitlines()[0].split("elasticity")[1].rstrip("}")
+        rigid = text.replace("volume: base, density: 1000, elasticity" + law + "}", "volume: base, density: 1000, rigid: true")
+        self.assertIn("rigid: true", rigid)
+        given = 'constraints: [{volume: base, %s}]\n'
+        slider = 'joints: [{name: rail, type: slider, between: [ground, base], point: [0, 0, 0], axis: [0, 0, 1], motion: "2*t"}]\n'
+        ways = {"prescribed": text.replace(constraint, given % 'displacement: [0, 0, "2*t"]'),
+                "turning": rigid.replace(constraint, given % 'rigid: {translation: [0, 0, "2*t"], rotation: free}'),
+                "joint": rigid.replace(constraint, slider)}
+        for name, way in ways.items():
+            for method in swept(("backward-euler", "bdf2", "dirk22", "dirk33"), ("backward-euler", "dirk22")):
+                h = self.run_input(self.write("paddle.yaml", way), f"time.method={method}", output="paddle")
+                self.assertEqual(places_inside(self.directory / "paddle"), 0, name)
+                block = 1000 * 0.02 * 0.02 * 0.003
+                self.assertGreater(h["pz"][-1] - 1000 * 0.04 * 0.04 * 0.005 * 2, 0.9 * 2 * block, name)
+                self.assertEqual(len(h["time"]), 7, f"{name}, {method}: no step fails")
 
     def test_the_same_bits_whether_interrupted_or_not(self):
         text = two_blocks(velocity="[0, 0, \"z > 0.011 ? -0.5 : 0\"]", time="method: bdf2, step: 1 ms, end: 0.02")

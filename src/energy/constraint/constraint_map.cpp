@@ -144,6 +144,12 @@ void ConstraintMap::begin_stage(const StagePoint& stage, Vec q) {
   for (const auto& dependent : dependents_) dependent->begin_stage(stage, q);
 }
 
+void ConstraintMap::set_prescribed_fraction(double fraction) {
+  linearized_at_.clear();
+  ties_.set_prescribed_fraction(fraction);
+  for (const auto& dependent : dependents_) dependent->set_prescribed_fraction(fraction);
+}
+
 void ConstraintMap::expand(Vec y, Vec q) const {
   check(VecCopy(y, q));
   ties_.put_slaves(y, q);

@@ -35,8 +35,9 @@ class ConstraintMap {
   void set_rigidity(Rigidity rigidity);
   /// Begins a stage, to which all following calls refer; q: a guess of its end.
   void begin_stage(const StagePoint& stage, Vec q);
-  /// LinearTies::set_prescribed_fraction.
-  void set_prescribed_fraction(double fraction) { ties_.set_prescribed_fraction(fraction); }
+  /// Sets what is prescribed to a fraction between the accepted state (0) and the end of the stage (1), where it is
+  /// after `begin_stage`.
+  void set_prescribed_fraction(double fraction);
   /// q = T(y).
   void expand(Vec y, Vec q) const;
   /// Evaluates `jacobian` and `test_matrix` at y.

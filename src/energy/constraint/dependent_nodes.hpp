@@ -52,6 +52,9 @@ class DependentNodes {
   /// Begins a stage, to which all following calls refer; q: a guess of its end. The function may be chosen such that
   /// the unknowns stay small.
   virtual void begin_stage(const StagePoint& stage, Vec q) = 0;
+  /// Sets what formulas prescribe to a fraction between the accepted state (0; StagePoint::accepted) and the end of the
+  /// stage (1), where it is after `begin_stage`. Not collective.
+  virtual void set_prescribed_fraction(double /*fraction*/) {}
   /// Makes the columns at unknowns of zero those of the velocities that are allowed at the end of a step whose
   /// configuration is q. Valid until the next begin_stage.
   virtual void begin_end_of_step(Vec q) = 0;

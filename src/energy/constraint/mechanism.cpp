@@ -87,6 +87,11 @@ std::vector<PartMotion> Mechanism::motions(const Vector& xi) const {
 }
 
 void Mechanism::evaluate(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const {
+  evaluate_all(parts, h, G);
+  if (lag_ != 0.0) h -= lag_ * violation_;
+}
+
+void Mechanism::evaluate_all(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const {
   if (level_ == Level::acceleration) {
     joints_.acceleration(parts, start_, advance_, given_, h, G);
     return;
@@ -170,6 +175,8 @@ Mechanism::Vector Mechanism::nearest_of_parts(Vec q) const {
 
 void Mechanism::begin_stage(const StagePoint& stage, Vec q) {
   solution_ = {};
+  violation_.resize(0);
+  lag_ = 0.0;
   for (const auto& part : parts_) part->begin_stage(stage, q);
   const bool is_last = stage.end_weight != 0.0;
   level_ = rigidity_ == Rigidity::of_configurations ? Level::configuration
@@ -200,10 +207,26 @@ void Mechanism::begin_stage(const StagePoint& stage, Vec q) {
     evaluate(motions(reference_), h, G_ref_);
   }
   choose_columns();
+  if (stage.accepted == nullptr || !is_driven()) return;
+  const Vector accepted = nearest_of_parts(stage.accepted);
+  for (const auto& part : parts_) part->set_prescribed_fraction(0.0);
+  Matrix G;
+  evaluate(motions(accepted), violation_, G);
+  for (const auto& part : parts_) part->set_prescribed_fraction(1.0);
+}
+
+// From h at the accepted state to 0, at whatever level the equations are.
+void Mechanism::set_prescribed_fraction(double fraction) {
+  if (violation_.size() == 0) return;
+  solution_ = {};
+  for (const auto& part : parts_) part->set_prescribed_fraction(fraction);
+  lag_ = 1.0 - fraction;
 }
 
 void Mechanism::begin_end_of_step(Vec q) {
   solution_ = {};
+  violation_.resize(0);
+  lag_ = 0.0;
   for (const auto& part : parts_) part->begin_end_of_step(q);
   level_ = Level::configuration;
   reference_ = nearest_of_parts(q);

@@ -56,6 +56,7 @@ class Mechanism final : public DependentNodes {
   bool is_symmetric() const override { return rigidity_ == Rigidity::of_configurations; }
 
   void begin_stage(const StagePoint& stage, Vec q) override;
+  void set_prescribed_fraction(double fraction) override;
   void begin_end_of_step(Vec q) override;
 
   void put_displacements(std::span<const double> unknowns, Vec q) const override;
@@ -120,6 +121,8 @@ class Mechanism final : public DependentNodes {
   Vector nearest_of_parts(Vec q) const;
   /// h and its derivative by xi.
   void evaluate(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const;
+  /// The same where all of what is prescribed has happened.
+  void evaluate_all(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const;
   /// The columns N for equations with the derivative G_ref.
   void choose_columns();
   double largest_rotation(const Vector& xi) const;
@@ -154,6 +157,8 @@ class Mechanism final : public DependentNodes {
   double end_weight_ = 1.0;
   std::vector<BodyMotion<double>> start_, advance_, rest_;  // x0, dt v0, and the rest of the step's end
   JointSystem::Given given_;
+  Vector violation_;  // h at the accepted state; empty: unknown
+  double lag_ = 0.0;  // the part of it that is to be left: 1 - the fraction of what is prescribed
   Vector reference_;
   Matrix columns_, G_ref_, across_;  // across_: D G_ref^T
   Matrix coordinates_;               // y = coordinates_ (xi - xi_ref): of N the inverse, of `across_` zero

@@ -63,6 +63,7 @@ class RigidPart final : public DependentNodes {
   bool is_symmetric() const override { return rigidity_ == Rigidity::of_configurations; }
 
   void begin_stage(const StagePoint& stage, Vec q) override;
+  void set_prescribed_fraction(double fraction) override;
   /// D = 0, S = I, R_ref the rotation of q.
   void begin_end_of_step(Vec q) override;
 
@@ -171,7 +172,7 @@ class RigidPart final : public DependentNodes {
   std::optional<AffineFit> fit_;
   Rigidity rigidity_ = Rigidity::of_configurations;
   // State of the current stage.
-  Vector3<double> given_translation_{};
+  Vector3<double> given_translation_{}, start_translation_{}, end_translation_{};  // start_: of the accepted state
   Shape shape_;
   Quaternion reference_{1.0, 0.0, 0.0, 0.0};
   mutable std::vector<double> at_unknowns_;

@@ -90,7 +90,9 @@ void ConstrainedEquation::forget() {
 }
 
 void ConstrainedEquation::set_prescribed_fraction(double fraction) {
+  if (fraction == fraction_) return;
   forget_gradients();
+  fraction_ = fraction;
   map_.set_prescribed_fraction(fraction);
 }
 
@@ -124,6 +126,7 @@ void ConstrainedEquation::linearize(Vec y) {
 
 StagePoint ConstrainedEquation::enter(const StagePoint& stage, Vec q, Vec y) {
   forget_gradients();
+  fraction_ = 1.0;
   map_.begin_stage(stage, q);
   const StagePoint whole = equation_.enter(stage, q, x_.get());
   restrict(x_.get(), y);
@@ -135,7 +138,9 @@ StagePoint ConstrainedEquation::enter(const StagePoint& stage, Vec q, Vec y) {
   reduced.q0 = y0_.get();
   reduced.v0 = w0_.get();
   if (whole.accepted != nullptr) {
+    set_prescribed_fraction(0.0);
     restrict(whole.accepted, accepted_.get());
+    set_prescribed_fraction(1.0);
     reduced.accepted = accepted_.get();
   }
   return reduced;
@@ -314,6 +319,12 @@ void ConstrainedEquation::expand_direction(Vec y, Vec d) {
   expand(y, x_.get());
   linearize(y);
   check(MatMult(jacobian_.matrix(), d, d_.get()));
+  if (fraction_ == 1.0) return;
+  // With the rest of what is prescribed, which comes with this displacement.
+  map_.set_prescribed_fraction(1.0);
+  expand(y, full_gradient_.get());
+  map_.set_prescribed_fraction(fraction_);
+  check(VecAXPBYPCZ(d_.get(), 1.0, -1.0, 1.0, full_gradient_.get(), x_.get()));
 }
 
 // The further a body rotates, the less does the direction say; without inertia it may be of any length.

@@ -74,7 +74,7 @@ class ConstrainedEquation final : public StageEquation {
   void restrict_rates(Vec x, Vec y) const;
   /// Brings J and W to y.
   void linearize(Vec y);
-  /// x_ = T(y) and d_ = J d, there.
+  /// x_ = T(y) and d_ = J d, there, with the rest of what is prescribed.
   void expand_direction(Vec y, Vec d);
   /// A gradient in x, which is known until something else changes than y.
   struct KnownGradient {
@@ -103,6 +103,7 @@ class ConstrainedEquation final : public StageEquation {
   PetscObjectId pattern_of_full_ = 0;  // pattern_id
   PresentPattern present_pattern_;     // of W^T K J
   LeadingPart y_part_, x_part_;
+  double fraction_ = 1.0;  // of what is prescribed
   Handle<Vec> x_, d_, full_gradient_, y0_, w0_, accepted_;
   std::array<KnownGradient, 2> known_;
   std::size_t last_known_ = 0;
