@@ -102,6 +102,13 @@ FittedMaterial fit_material(const std::string& text, const std::string& file) {
   return fit;
 }
 
+void remove_results(const fs::path& directory) {
+  for (const char* name : {"fit.csv", "material.yaml", "fitted.yaml", "report.html"}) {
+    std::error_code ignored;  // what cannot be removed is told where it cannot be written
+    fs::remove(directory / name, ignored);
+  }
+}
+
 ExitCode fit_command(MPI_Comm comm, const std::string& file, const std::string& output, Console& console) {
   std::string text;
   on_root(comm, [&] { text = text_of_fit(file); });
@@ -117,7 +124,7 @@ ExitCode fit_command(MPI_Comm comm, const std::string& file, const std::string& 
     for (const std::string& line : fit_tables(fit)) console.print(line);
     for (const std::string& note : fit.notes) console.report({Severity::note, {}, note});
     for (const std::string& warning : fit.warnings) console.report({Severity::warning, {}, warning});
-    if (fit.outcome.num_starts == 0) return;
+    if (fit.outcome.num_starts == 0) return remove_results(directory);
     make_directory(directory);
     write_text_atomically(directory / "fit.csv", fit_csv(fit));
     write_text_atomically(directory / "material.yaml", material_yaml(fit));

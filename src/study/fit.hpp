@@ -8,6 +8,7 @@
 #include "study/fit_stability.hpp"
 #include "study/fit_tests.hpp"
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,9 @@ struct FittedMaterial {
 /// The fit that the text of a file describes; `file`: its name, to whose directory tables are relative. Throws
 /// InputError with every error. Not collective.
 FittedMaterial fit_material(const std::string& text, const std::string& file);
+
+/// Removes what an earlier fit has left in a directory. Not collective.
+void remove_results(const std::filesystem::path& directory);
 
 /// Runs the fit, prints its tables, and writes fit.csv, material.yaml, report.html and the plots in it as SVG files
 /// into the directory `output`. Returns done if the fit converged, otherwise study_failed. A fit of numbers of an input

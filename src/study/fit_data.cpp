@@ -143,6 +143,11 @@ class Table {
       names.emplace_back(form.name);
       const auto place = static_cast<std::size_t>(std::ranges::find(given, form.name) - given.begin());
       if (place == given.size()) continue;
+      if (std::ranges::count(given, form.name) > 1) {
+        fail(line, header[place].column,
+             fmt::format("the table has more than one column '{}'; leave one of them in it", form.name));
+        return std::nullopt;
+      }
       const std::string unit = heading_of(header[place].text).unit;
       try {
         const double factor = unit.empty() ? 1.0 : parse_quantity("1 " + unit, std::string(form.unit));

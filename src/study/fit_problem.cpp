@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -133,7 +134,8 @@ void FitProblem::add_statistics(FitOutcome& outcome) const {
     }
   }
   for (std::size_t i = 0; i < p; ++i) {
-    outcome.standard_errors.push_back(std::sqrt(covariance[p * i + i]));
+    outcome.standard_errors.push_back(outcome.determination.is_at_bound[i] ? std::numeric_limits<double>::quiet_NaN()
+                                                                           : std::sqrt(covariance[p * i + i]));
     for (std::size_t j = 0; j < p; ++j) {
       outcome.correlation.push_back(covariance[p * i + j] / std::sqrt(covariance[p * i + i] * covariance[p * j + j]));
     }

@@ -36,10 +36,11 @@ struct Measurements {
 };
 
 struct FitOutcome {
-  std::vector<double> values;           ///< of the parameters
-  std::vector<double> standard_errors;  ///< infinite where the data do not determine the parameter
-  std::vector<double> correlation;      ///< at [p i + j]
-  std::vector<double> sums;             ///< of each group's squared residuals, without its weight
+  std::vector<double> values;  ///< of the parameters
+  /// Infinite where the data do not determine the parameter; NaN at a bound, and where there are too few data.
+  std::vector<double> standard_errors;
+  std::vector<double> correlation;  ///< at [p i + j]
+  std::vector<double> sums;         ///< of each group's squared residuals, without its weight
   Determination determination;
   Minimum minimum;
   int num_starts = 0;  ///< that the model could begin from

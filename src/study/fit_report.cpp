@@ -40,7 +40,7 @@ std::string tests(const FittedMaterial& fit) {
     const TestSummary& test = summaries[n];
     table.add({test.name, std::to_string(test.count), number_on_page(fit.tests[n].config.weight),
                fmt::format("{:.7g}", test.sum), number_on_page(test.mean_square),
-               fmt::format("{:.5f}", test.determination)});
+               determination_shown(test.determination)});
   }
   return part_of_page("Tests", "The differences between the law and the measurements.", table.text());
 }

@@ -7,6 +7,7 @@
 #include "input/formats.hpp"
 #include "io/history_reader.hpp"
 #include "petsc/collective.hpp"
+#include "study/fit.hpp"
 #include "study/fit_data.hpp"
 #include "study/fit_run_report.hpp"
 #include "study/tangent_run.hpp"
@@ -231,7 +232,7 @@ std::vector<double> start(int n, const std::vector<FreeParameter>& parameters, c
   return values;
 }
 
-FittedRun fit_run(MPI_Comm comm, const FitConfig& config, Console& console) {
+FittedRun fit_run(MPI_Comm comm, const FitConfig& config, const std::string& directory, Console& console) {
   const std::string folder = fs::path(config.file).parent_path().string();
   const std::string file = (fs::path(folder) / config.input->value).string();
   const VariedInput input(input_text(comm, file), file, {}, keys_of(config), config.file + ": parameters");
@@ -243,6 +244,7 @@ FittedRun fit_run(MPI_Comm comm, const FitConfig& config, Console& console) {
     }
   });
   FitRuns runs(comm, input, fit.targets, parameters, console);
+  on_root(comm, [&] { remove_results(directory); });
   std::vector<Measurements> measurements;
   for (std::size_t n = 0; n < fit.targets.size(); ++n) {
     const FitTarget& target = fit.targets[n];
@@ -271,7 +273,7 @@ FittedRun fit_run(MPI_Comm comm, const FitConfig& config, Console& console) {
 }  // namespace
 
 ExitCode fit_run_command(MPI_Comm comm, const FitConfig& config, const std::string& directory, Console& console) {
-  const FittedRun fit = fit_run(comm, config, console);
+  const FittedRun fit = fit_run(comm, config, directory, console);
   for (const std::string& line : fit_tables(fit)) console.print(line);
   for (const std::string& warning : fit.warnings) console.report({Severity::warning, {}, warning});
   on_root(comm, [&] { write_fit(fit, directory); });

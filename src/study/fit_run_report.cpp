@@ -3,6 +3,7 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "study/fit_page.hpp"
+#include "study/fit_tables.hpp"
 #include "study/labelled_history.hpp"
 
 #include <algorithm>
@@ -35,7 +36,7 @@ double determination_of(const FittedRun& fit, std::size_t n) {
   const double mean = std::accumulate(target.values.begin(), target.values.end(), 0.0) / count;
   double spread = 0.0;
   for (const double value : target.values) spread += std::pow(value - mean, 2);
-  return 1.0 - fit.outcome.sums[n] * target.scale * target.scale / spread;
+  return pliant::determination_of(fit.outcome.sums[n] * target.scale * target.scale, spread);
 }
 
 std::string heading(const FittedRun& fit) {
@@ -47,9 +48,8 @@ std::string heading(const FittedRun& fit) {
 std::string csv(const FittedRun& fit) {
   std::string text = "parameter,value,standard_error,unit\n";
   for (std::size_t j = 0; j < fit.numbers.size(); ++j) {
-    const double error = fit.outcome.standard_errors[j];
     text += fmt::format("{},{},{},{}\n", fit.numbers[j].key, format_number(fit.outcome.values[j]),
-                        std::isfinite(error) ? format_number(error) : fmt::format("{}", error), fit.numbers[j].unit);
+                        number_in_csv(fit.outcome.standard_errors[j]), fit.numbers[j].unit);
   }
   return text;
 }
@@ -95,7 +95,7 @@ std::string targets_on_page(const FittedRun& fit) {
     const FitTarget& target = fit.targets[n];
     table.add({target.name, std::to_string(target.values.size()), number_on_page(target.config.weight),
                number_on_page(target.scale), number_on_page(rms(fit, n)), unit_shown(target.unit),
-               fmt::format("{:.5f}", determination_of(fit, n))});
+               determination_shown(determination_of(fit, n))});
   }
   return part_of_page("Targets",
                       "The differences between the run and the measurements. Residuals are divided by the scale before "
@@ -112,15 +112,15 @@ std::vector<std::string> fit_tables(const FittedRun& fit) {
   for (const FitTarget& target : fit.targets) name_width = std::max(name_width, target.name.size());
   lines.push_back(fmt::format("{:<{}}  {:>14}  {:>14}  unit", "parameter", width, "value", "standard error"));
   for (std::size_t j = 0; j < fit.numbers.size(); ++j) {
-    lines.push_back(fmt::format("{:<{}}  {:>14.7g}  {:>14.3g}  {}", fit.numbers[j].key, width, fit.outcome.values[j],
-                                fit.outcome.standard_errors[j], unit_shown(fit.numbers[j].unit)));
+    lines.push_back(fmt::format("{:<{}}  {:>14.7g}  {:>14}  {}", fit.numbers[j].key, width, fit.outcome.values[j],
+                                number_in_table(fit.outcome.standard_errors[j], 3), unit_shown(fit.numbers[j].unit)));
   }
   lines.push_back(
       fmt::format("{:<{}}  {:>6}  {:>12}  {:<6}  {:>8}", "target", name_width, "points", "rms", "unit", "R^2"));
   for (std::size_t n = 0; n < fit.targets.size(); ++n) {
     const FitTarget& target = fit.targets[n];
-    lines.push_back(fmt::format("{:<{}}  {:>6}  {:>12.4g}  {:<6}  {:>8.5f}", target.name, name_width,
-                                target.values.size(), rms(fit, n), unit_shown(target.unit), determination_of(fit, n)));
+    lines.push_back(fmt::format("{:<{}}  {:>6}  {:>12.4g}  {:<6}  {:>8}", target.name, name_width, target.values.size(),
+                                rms(fit, n), unit_shown(target.unit), determination_shown(determination_of(fit, n))));
   }
   lines.push_back(fmt::format("{} of {} starts led to this minimum; {} runs", fit.outcome.num_best,
                               fit.outcome.num_starts, fit.num_runs));

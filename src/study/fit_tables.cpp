@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -61,6 +62,22 @@ std::string fit_heading(const FittedMaterial& fit) {
       fit.tests.size(), fit.tests.size() == 1 ? "" : "s", count);
 }
 
+std::string number_in_table(double value, int digits) {
+  return std::isnan(value) ? "-" : fmt::format("{:.{}g}", value, digits);
+}
+
+std::string number_in_csv(double value) {
+  return std::isnan(value) ? "" : std::isinf(value) ? "inf" : format_number(value);
+}
+
+double determination_of(double differences, double spread) {
+  return spread > 0.0 ? 1.0 - differences / spread : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string determination_shown(double determination) {
+  return std::isnan(determination) ? "-" : fmt::format("{:.5f}", determination);
+}
+
 std::vector<TestSummary> summaries_of(const FittedMaterial& fit) {
   std::vector<TestSummary> result;
   std::size_t next = 0;
@@ -74,8 +91,8 @@ std::vector<TestSummary> summaries_of(const FittedMaterial& fit) {
       spread += std::pow(y[i] - mean, 2);
     }
     const double sum = fit.outcome.sums[n];
-    result.push_back(
-        {fit.tests[n].name, y.size(), sum, std::sqrt(sum / static_cast<double>(y.size())), 1.0 - differences / spread});
+    result.push_back({fit.tests[n].name, y.size(), sum, std::sqrt(sum / static_cast<double>(y.size())),
+                      determination_of(differences, spread)});
   }
   return result;
 }
@@ -90,7 +107,7 @@ std::vector<std::string> fit_tables(const FittedMaterial& fit) {
     const auto place = fit.material.free_place(n);
     const bool has_error = place && *place < fit.outcome.standard_errors.size();
     const std::string error = !place      ? "held"
-                              : has_error ? fmt::format("{:.3g}", fit.outcome.standard_errors[*place])
+                              : has_error ? number_in_table(fit.outcome.standard_errors[*place], 3)
                                           : "";
     lines.push_back(
         fmt::format("{:<{}}  {:>14}  {:>14}  {}", p.name, width, shown(fit.all[n]), error, unit_of(p.unit)));
@@ -104,8 +121,8 @@ std::vector<std::string> fit_tables(const FittedMaterial& fit) {
   lines.push_back(fmt::format("{:<{}}  {:>6}  {:>19}  {:>11}  {:>8}", "test", name_width, "points",
                               fmt::format("residual sum{}", unit), is_relative ? "rms" : "rms [Pa]", "R^2"));
   for (const TestSummary& test : summaries) {
-    lines.push_back(fmt::format("{:<{}}  {:>6}  {:>19.7g}  {:>11.4g}  {:>8.5f}", test.name, name_width, test.count,
-                                test.sum, test.mean_square, test.determination));
+    lines.push_back(fmt::format("{:<{}}  {:>6}  {:>19.7g}  {:>11.4g}  {:>8}", test.name, name_width, test.count,
+                                test.sum, test.mean_square, determination_shown(test.determination)));
   }
   const auto rest = fit.material.law(fit.all).at_rest();
   if (rest && fit.material.is_incompressible()) {
@@ -127,9 +144,8 @@ std::string fit_csv(const FittedMaterial& fit) {
       const FitParameter& p = fit.material.parameters()[n];
       if (p.is_free != is_free) continue;
       const auto place = fit.material.free_place(n);
-      const double error = place ? fit.outcome.standard_errors[*place] : 0.0;
       text += fmt::format("{},{},{},{}\n", p.name, format_number(fit.all[n]),
-                          std::isfinite(error) ? format_number(error) : fmt::format("{}", error), p.unit);
+                          place ? number_in_csv(fit.outcome.standard_errors[*place]) : "", p.unit);
     }
   }
   return text;

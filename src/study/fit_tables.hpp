@@ -20,6 +20,16 @@ std::string material_yaml(const FittedMaterial& fit);
 /// The law and the tests in one line.
 std::string fit_heading(const FittedMaterial& fit);
 
+/// A number with so many digits, "-" if it is not known.
+std::string number_in_table(double value, int digits);
+/// All digits, `inf`, or nothing if it is not known.
+std::string number_in_csv(double value);
+/// R^2 from the sum of the squared differences and that of the measurements from their mean; NaN if these are all
+/// alike.
+double determination_of(double differences, double spread);
+/// Five decimals, "-" if it is not known.
+std::string determination_shown(double determination);
+
 /// One test's residuals.
 struct TestSummary {
   std::string name;

@@ -70,7 +70,7 @@ class Fit:
 
     directory: str
     values: "dict[str, float]"  #: by parameter
-    standard_errors: "dict[str, float]"  #: infinite where the measurements do not determine the parameter
+    standard_errors: "dict[str, float]"  #: infinite where the measurements do not determine the parameter; nan: it was held, or is at a bound
     units: "dict[str, str]"
     converged: bool
     log: str = dataclasses.field(repr=False)  #: what the program printed
@@ -189,5 +189,5 @@ def fit(file: Path, *, output: Optional[Path] = None, ranks: int = 1, timeout: O
     with open(os.path.join(directory, "fit.csv"), encoding="utf-8", newline="") as table:
         rows = list(csv.DictReader(table))
     return Fit(directory, {row["parameter"]: float(row["value"]) for row in rows},
-               {row["parameter"]: float(row["standard_error"]) for row in rows}, {row["parameter"]: row["unit"] for row in rows},
+               {row["parameter"]: float(row["standard_error"] or "nan") for row in rows}, {row["parameter"]: row["unit"] for row in rows},
                done.returncode == 0, done.stdout)
