@@ -45,6 +45,10 @@ class StageEquation {
   /// that exceed it refreeze too, until the next call of `freeze`. A stage is solved when its solution equals the q of
   /// the last call.
   virtual bool refreeze(Vec /*q*/) { return false; }
+  /// Whether coefficients with a bound refreeze since the last call of `freeze`, because they have exceeded it.
+  virtual bool exceeds_bound() const { return false; }
+  /// Lets them refreeze from now on, as if they had.
+  virtual void exceed_bound() {}
   /// f(q) of the terms that refreeze, with coefficients frozen at `at` [N]; leaves them frozen there.
   virtual void drag(Vec /*q*/, Vec /*at*/, Vec f) { check(VecZeroEntries(f)); }
 

@@ -165,7 +165,8 @@ void DrivenSimulation::advance(const std::function<void(const std::string&)>& wa
   throw SolveError(simulation_->in_words(outcome) + ". The simulation stays at this state");
 }
 
-std::vector<std::size_t> DrivenSimulation::changed_formulas(Config& wanted, const Location& where) {
+std::vector<std::size_t> DrivenSimulation::changed_formulas(Config& wanted, const std::vector<Override>& changes,
+                                                            const Location& where) {
   const auto refuse = [&](const std::string& why) {
     return InputError(where,
                       fmt::format("this cannot change while a simulation runs{}; what can: {}; for anything else "
@@ -174,9 +175,12 @@ std::vector<std::size_t> DrivenSimulation::changed_formulas(Config& wanted, cons
   };
   const auto then = replaceable_formulas(wanted), now = replaceable_formulas(given_);
   if (then.size() != now.size()) throw refuse("");
-  Config rest = wanted;
-  rest.time.step = given_.time.step;
-  rest.time.min_step = given_.time.min_step;
+  // Defaults of other keys follow from the step.
+  const auto without_steps = [&](std::vector<Override> all) {
+    std::erase_if(all, [](const Override& one) { return one.path == "time.step" || one.path == "time.min_step"; });
+    return read_changed(text_, file_, all);
+  };
+  Config rest = without_steps(changes), before = without_steps(changes_);
   const auto of_rest = replaceable_formulas(rest);
   std::vector<std::size_t> changed;
   for (std::size_t k = 0; k < now.size(); ++k) {
@@ -187,7 +191,7 @@ std::vector<std::size_t> DrivenSimulation::changed_formulas(Config& wanted, cons
     }
     changed.push_back(k);
   }
-  if (dump(rest) != dump(given_)) throw refuse("");
+  if (dump(rest) != dump(before)) throw refuse("");
   return changed;
 }
 
@@ -208,7 +212,7 @@ void DrivenSimulation::set(const std::vector<Override>& changes) {
     all.push_back(change);
   }
   Config wanted = read_changed(text_, file_, all);
-  const auto changed = changed_formulas(wanted, {"set " + keys_of(changes), 0, 0});
+  const auto changed = changed_formulas(wanted, all, {"set " + keys_of(changes), 0, 0});
   const auto by = replaceable_formulas(wanted), now = replaceable_formulas(given_);
   bool has_new_plan = wanted.time.step != given_.time.step || wanted.time.min_step != given_.time.min_step;
   for (const std::size_t k : changed) {

@@ -119,7 +119,8 @@ class DrivenSimulation {
   void record_step();
   void sum_forces();
   /// The numbers of the formulas that differ in another input. Throws InputError if anything else does.
-  std::vector<std::size_t> changed_formulas(Config& wanted, const Location& where);
+  std::vector<std::size_t> changed_formulas(Config& wanted, const std::vector<Override>& changes,
+                                            const Location& where);
   /// Velocities of joints jump where a motion that was set for them begins or ends.
   void follow_joints();
   /// What a formula is replaced by.

@@ -57,6 +57,25 @@ Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
   start.load_factor = analysis == Analysis::static_equilibrium ? 0.0 : 1.0;
   start.z0 = start.accepted_z = initial.z;
   keep_forces(start, initial.q);
+  if (MixedEquation* mixed = model.mixed_equation()) check(VecDuplicate(mixed->pressures(), pressures_.out()));
+  keep_pressures();
+}
+
+void Ledger::keep_pressures() {
+  if (pressures_) check(VecCopy(model_.mixed_equation()->pressures(), pressures_.get()));
+}
+
+double Ledger::supplied_at_last_state(const Instant& start, const Instant& end) {
+  const auto exchange = [&] {
+    if (!pressures_) return;
+    Vec present = model_.mixed_equation()->pressures();
+    check(VecSwap(present, pressures_.get()));
+    update_ghosts(present);
+  };
+  exchange();
+  const double supplied = model_.potential().accounts().supplied(start, end, q_.get());
+  exchange();
+  return supplied;
 }
 
 Ledger::Works Ledger::powers(const StagePoint& stage, Vec q, Vec v) {
@@ -124,6 +143,7 @@ void Ledger::book(const StepAttempt& attempt) {
   time_ = attempt.time;
   load_factor_ = attempt.load_factor;
   check(VecCopy(attempt.q, q_.get()));
+  keep_pressures();
   balance();
 }
 
@@ -188,6 +208,7 @@ void Ledger::keep(Archive& archive, const StateView& newest) {
   time_ = newest.time;
   load_factor_ = newest.load_factor;
   check(VecCopy(newest.q, q_.get()));
+  keep_pressures();
   balance();
 }
 
@@ -246,7 +267,7 @@ void Ledger::add_works_along_displacement(const StepAttempt& attempt) {
   for (std::size_t w = 0; w < num_works; ++w) works_[w] += 0.5 * (before[w] + after[w]);
   const Instant start = model_.instant(time_, load_factor_), end = model_.instant(attempt.time, attempt.load_factor);
   EnergyAccounts accounts = model_.potential().accounts();
-  const double supplied = 0.5 * (accounts.supplied(start, end, q_.get()) + accounts.supplied(start, end, attempt.q));
+  const double supplied = 0.5 * (supplied_at_last_state(start, end) + accounts.supplied(start, end, attempt.q));
   const double passed =
       analysis_ == Analysis::static_equilibrium ? attempt.load_factor - load_factor_ : attempt.time - time_;
   const auto integral = [&](std::size_t w) { return 0.5 * passed * (last_powers_[w] + power[w]); };

@@ -105,6 +105,9 @@ class Ledger {
   void add_works_in_time(const StepAttempt& attempt);
   void add_works_along_displacement(const StepAttempt& attempt);
   void keep_forces(const StagePoint& stage, Vec q);
+  /// What the energies of terms that depend on time gain at the last state, with its pressures [J].
+  double supplied_at_last_state(const Instant& start, const Instant& end);
+  void keep_pressures();
   Works works_along(Vec displacement) const;
   /// Sets the works of `supports` and `ideal_constraints`.
   void set_works_of_constraints(Vec displacement, Works& works) const;
@@ -131,7 +134,8 @@ class Ledger {
   std::vector<JointReaction> joint_reactions_;
   std::vector<ContactForce> contacts_;
   std::vector<std::vector<std::size_t>> contacts_of_term_;
-  Handle<Vec> q_;  // of the last step
+  Handle<Vec> q_;          // of the last step
+  Handle<Vec> pressures_;  // likewise; without inertia, if there are any
   double supply_without_energy_ =
       0.0;  // by terms without an energy, at the last `powers` [W]: friction at moving obstacles
   Handle<Vec> at_, direction_, reaction_;

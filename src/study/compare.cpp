@@ -114,6 +114,17 @@ class Comparison {
     if (table.num_rows() == 0 || table.find("time") == nullptr) {
       throw InputError({run, 0, 0}, "it has no history: give the directory of a result, or its history.csv");
     }
+    const std::vector<double>& time = *table.find("time");
+    if (!std::ranges::is_sorted(time)) {
+      throw InputError({run, 0, 0}, "its times do not increase; give the directory of one run, or its history.csv");
+    }
+    if (histories_.back().abscissa != histories_.front().abscissa) {
+      throw InputError({run, 0, 0},
+                       fmt::format("its rows are at values of {}, and those of '{}' at values of {}: compare runs of "
+                                   "one kind",
+                                   axis_label(histories_.back().abscissa), options_.runs.front(),
+                                   axis_label(histories_.front().abscissa)));
+    }
   }
 
   /// Runs of the same name are called by what the user gave, and the same runs by their numbers too.

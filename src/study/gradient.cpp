@@ -182,7 +182,8 @@ class GradientStudy {
     std::size_t width = 6;
     for (const VariedNumber& p : numbers_.numbers()) width = std::max(width, p.key.size());
     for (std::size_t n = 0; n < fields_.num_parameters(); ++n) width = std::max(width, fields_.key(n).size());
-    console_.print("derivatives of the sum of weights times columns, in SI units");
+    console_.print(
+        fmt::format("derivatives of the sum of weights times columns over {} steps, in SI units", run_->num_steps()));
     console_.print(fmt::format("  {:<{}}  {:>13}  {:<8}  {:>16}  {:>16}", "number", width, "value", "unit",
                                "derivative", "for 1 % of it"));
     for (std::size_t n = 0; n < numbers_.numbers().size(); ++n) {

@@ -72,6 +72,7 @@ class Sweep {
     text_.assign(std::istreambuf_iterator<char>(stream), {});
     sort(changes);
     mark_logarithmic();
+    refuse_taken_names();
     make_cases();
   }
 
@@ -274,6 +275,29 @@ class Sweep {
     return summary.contains("warnings") ? summary["warnings"].size() : 0;
   }
 
+  /// Results are columns of sweep.csv, next to others.
+  void refuse_taken_names() const {
+    std::vector<std::string> taken{"directory", "exit_code", "seconds"};
+    for (const auto& key : swept_) taken.push_back(key.path);
+    for (const RunNumber& result : options_.results) {
+      if (std::ranges::find(taken, result.name) != taken.end()) {
+        throw InputError({"--result " + result.name, 0, 0},
+                         "sweep.csv has a column of this name already; name the result differently, as in "
+                         "--result 'highest=max(tip_z)'");
+      }
+      taken.push_back(result.name);
+    }
+  }
+
+  /// Those of the histories, without those whose names results have.
+  std::vector<std::string> history_columns() const {
+    std::vector<std::string> names = columns_of(histories_);
+    std::erase_if(names, [&](const std::string& name) {
+      return std::ranges::find(options_.results, name, &RunNumber::name) != options_.results.end();
+    });
+    return names;
+  }
+
   /// Once, at the first run that has a history: the others will have the same columns.
   void warn_of_missing_columns(const fs::path& run) {
     if (has_looked_for_columns_ || options_.results.empty()) return;
@@ -349,7 +373,7 @@ class Sweep {
       in_si.push_back(std::move(*numbers));
     }
     for (const char* name : {"exit_code", "seconds"}) header.emplace_back(name);
-    const std::vector<std::string> names = columns_of(histories_);
+    const std::vector<std::string> names = history_columns();
     for (const RunNumber& result : options_.results) header.push_back(result.name);
     header.insert(header.end(), names.begin(), names.end());
     std::string text = csv_header(header) + "\n";
@@ -369,7 +393,7 @@ class Sweep {
   /// One plot for each column that varies in some run, and those of each result. Returns how many.
   std::size_t draw() const {
     std::size_t count = 0;
-    for (const std::string& name : columns_of(histories_)) {
+    for (const std::string& name : history_columns()) {
       if (!is_bookkeeping(name) && draw_column(histories_, name, directory_)) ++count;
     }
     for (const RunNumber& result : options_.results) {

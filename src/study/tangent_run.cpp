@@ -66,10 +66,12 @@ struct TangentRun::Neighbour {
     copy_extra_unknowns(model.layout(), solution, unknowns.get());
   }
   /// Brings coefficients and the residual to the unknowns.
-  void measure(bool coefficients_follow) {
+  void measure(Coefficients coefficients) {
     StageEquation& equation = model.equation();
     equation.freeze(unknowns.get());
-    if (coefficients_follow) equation.refreeze(unknowns.get());
+    // That of the run may have exceeded its bound on the way to the solution, where none of these does.
+    if (coefficients == Coefficients::follow_beyond_bound) equation.exceed_bound();
+    if (coefficients != Coefficients::frozen) equation.refreeze(unknowns.get());
     equation.gradient(unknowns.get(), residual.get());
   }
   void end_stage() {
@@ -87,8 +89,8 @@ struct TangentRun::Neighbour {
 
 struct TangentRun::Pair {
   /// r = half the difference of the residuals.
-  void measure(bool coefficients_follow, Vec r) {
-    for (Neighbour* run : {below.get(), above.get()}) run->measure(coefficients_follow);
+  void measure(Coefficients coefficients, Vec r) {
+    for (Neighbour* run : {below.get(), above.get()}) run->measure(coefficients);
     check(VecWAXPY(r, -1.0, below->residual.get(), above->residual.get()));
     check(VecScale(r, 0.5));
   }
@@ -158,9 +160,11 @@ void TangentRun::begin_step(const Step& step) {
 void TangentRun::end_stage(NewtonSolver& solver, const StagePoint& stage, Vec q) {
   const Vec solution = solver.unknowns();
   StageEquation& equation = solver.equation();
-  const bool coefficients_follow = equation.refreeze(solution);
+  const Coefficients coefficients = !equation.refreeze(solution) ? Coefficients::frozen
+                                    : equation.exceeds_bound()   ? Coefficients::follow_beyond_bound
+                                                                 : Coefficients::follow;
   // The Hessian of a potential is that of all its forces.
-  const bool is_whole = equation.is_potential() && !coefficients_follow;
+  const bool is_whole = equation.is_potential() && coefficients == Coefficients::frozen;
   TangentSystem& system = solver.tangent();
   const auto require = [&](bool works) {
     if (works) return;
@@ -173,14 +177,14 @@ void TangentRun::end_stage(NewtonSolver& solver, const StagePoint& stage, Vec q)
   const double floor = equation.rounding_floor(solution);
   for (Pair& pair : pairs_) {
     for (Neighbour* run : {pair.below.get(), pair.above.get()}) run->start_stage(q, solution);
-    if (!is_whole) require(solve(pair, system, {coefficients_follow, floor}));
+    if (!is_whole) require(solve(pair, system, {coefficients, floor}));
   }
   // Time stands still in static problems.
   if (is_whole) require(solve(system, stage.time + stage.load_factor, floor));
   system.end();
   for (Pair& pair : pairs_) {
     // Frozen forces are those of the last trial.
-    if (coefficients_follow) pair.measure(true, r_.get());
+    if (coefficients != Coefficients::frozen) pair.measure(coefficients, r_.get());
     for (Neighbour* run : {pair.below.get(), pair.above.get()}) run->end_stage();
   }
 }
@@ -192,7 +196,7 @@ bool TangentRun::solve(TangentSystem& system, double place, double floor) {
     const Vec guess = pair.solution.get(), r = pair.residual.get();
     const bool has_guess = pair.solutions.guess(place, guess);
     if (has_guess) pair.move(guess);
-    pair.measure(false, r);
+    pair.measure(Coefficients::frozen, r);
     const double size = norm(r);
     if (!std::isfinite(size)) return false;
     if (size <= floor) continue;
@@ -213,7 +217,7 @@ bool TangentRun::solve(TangentSystem& system, double place, double floor) {
 bool TangentRun::solve(Pair& pair, TangentSystem& system, const StageTangent& stage) {
   double first = 0.0, last = 0.0, size = 0.0;
   for (int round = 0; round < most_rounds; ++round) {
-    pair.measure(stage.coefficients_follow, r_.get());
+    pair.measure(stage.coefficients, r_.get());
     if (!std::isfinite(norm(r_.get()))) return false;
     const bool is_rounding = norm(r_.get()) <= stage.floor;
     if (is_rounding && round > 0) return true;
@@ -222,7 +226,7 @@ bool TangentRun::solve(Pair& pair, TangentSystem& system, const StageTangent& st
     // Without what the matrix leaves out the change may be far too large.
     if (round <= 1) size = round == 0 ? cautious * norm(change_.get()) : first;
     bool needs_more = !is_rounding;
-    if (needs_more && !solve_for_whole(pair, stage.coefficients_follow, system, size)) {
+    if (needs_more && !solve_for_whole(pair, stage.coefficients, system, size)) {
       // Where the number has next to no influence, the difference is all rounding, and no system resolves it.
       if (norm(r_.get()) > noise * stage.floor || !system.solve(r_.get(), change_.get())) return false;
       needs_more = false;
@@ -235,13 +239,13 @@ bool TangentRun::solve(Pair& pair, TangentSystem& system, const StageTangent& st
   return last <= nearly_settled * first || norm(r_.get()) <= noise * stage.floor;
 }
 
-bool TangentRun::solve_for_whole(Pair& pair, bool coefficients_follow, TangentSystem& system, double size) {
+bool TangentRun::solve_for_whole(Pair& pair, Coefficients coefficients, TangentSystem& system, double size) {
   const auto product = [&](Vec x, Vec y) {
     const double factor = size / norm(x);
     check(VecCopy(x, scaled_.get()));
     check(VecScale(scaled_.get(), -factor));
     pair.move(scaled_.get());
-    pair.measure(coefficients_follow, y);
+    pair.measure(coefficients, y);
     check(VecScale(scaled_.get(), -1.0));
     pair.move(scaled_.get());
     check(VecAXPY(y, -1.0, r_.get()));

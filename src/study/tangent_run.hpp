@@ -64,17 +64,20 @@ class TangentRun final : private StageFollower {
   void end_step(bool restarts) override;
   void add_pair(const Mesh& mesh, const VariedInput& input, std::span<const double> values, std::size_t n, double size);
   void measure();
+  /// Which coefficients a stage was solved with: those of the guess, those of its solution (StageEquation::refreeze),
+  /// or these because a bound was exceeded.
+  enum class Coefficients { frozen, follow, follow_beyond_bound };
   /// What the equation of a stage is at its solution.
   struct StageTangent {
-    bool coefficients_follow;  ///< its solution (StageEquation::refreeze)
-    double floor;              ///< rounding errors of its residual [N]
+    Coefficients coefficients;
+    double floor;  ///< rounding errors of its residual [N]
   };
   /// Moves the unknowns of all pairs to the solutions of their stages, at this place in time; false if there are none.
   bool solve(TangentSystem& system, double place, double floor);
   /// The same for a pair, where the Hessian may leave out a part of the derivative.
   bool solve(Pair& pair, TangentSystem& system, const StageTangent& stage);
   /// Solves with the derivative of all forces, by differences along changes of this size.
-  bool solve_for_whole(Pair& pair, bool coefficients_follow, TangentSystem& system, double size);
+  bool solve_for_whole(Pair& pair, Coefficients coefficients, TangentSystem& system, double size);
 
   Config config_;
   Model model_;

@@ -55,7 +55,9 @@ const KeyInfo* key_info(const std::vector<std::string>& parts) {
 std::string unit_of(const KeyInfo* info) {
   if (info == nullptr) return "1";
   const std::size_t open = info->type.find('['), close = info->type.find(']');
-  return open < close && close != std::string::npos ? info->type.substr(open + 1, close - open - 1) : "1";
+  if (open >= close || close == std::string::npos) return "1";
+  const std::string inside = info->type.substr(open + 1, close - open - 1);
+  return inside.find(',') == std::string::npos ? inside : "1";  // components: "direction [x, y, z]"
 }
 
 const InputNode* node_at(const InputNode& tree, const std::vector<std::string>& parts) {

@@ -238,6 +238,11 @@ bool ConstrainedEquation::refreeze(Vec y) {
   return refreezes;
 }
 
+void ConstrainedEquation::exceed_bound() {
+  forget_gradients();
+  equation_.exceed_bound();
+}
+
 void ConstrainedEquation::drag(Vec y, Vec at, Vec f) {
   forget_gradients();
   if (map_.refreezes()) {

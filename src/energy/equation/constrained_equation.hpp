@@ -32,6 +32,8 @@ class ConstrainedEquation final : public StageEquation {
   void forget() override;
   void freeze(Vec y) override;
   bool refreeze(Vec y) override;
+  bool exceeds_bound() const override { return equation_.exceeds_bound(); }
+  void exceed_bound() override;
   void drag(Vec y, Vec at, Vec f) override;
   double value(Vec y) override;
   void gradient(Vec y, Vec r) override;

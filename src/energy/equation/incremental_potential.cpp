@@ -62,6 +62,10 @@ bool IncrementalPotential::refreeze(Vec q) {
   return true;
 }
 
+void IncrementalPotential::exceed_bound() {
+  exceeds_bound_ = terms_.arrays().stage().exceeds_bound = true;
+}
+
 void IncrementalPotential::drag(Vec q, Vec at, Vec f) {
   terms_.arrays().freeze(at);
   gradient_of(

@@ -32,6 +32,8 @@ class IncrementalPotential final : public StageEquation {
   StagePoint enter(const StagePoint& stage, Vec q, Vec xi) override;
   void freeze(Vec q) override;
   bool refreeze(Vec q) override;
+  bool exceeds_bound() const override { return exceeds_bound_; }
+  void exceed_bound() override;
   void drag(Vec q, Vec at, Vec f) override;
 
   /// Phi(q) [J] up to a constant of the stage; +inf where a barrier is crossed or a number is not finite.

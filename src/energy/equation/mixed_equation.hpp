@@ -29,6 +29,8 @@ class MixedEquation final : public StageEquation {
                 PressureField& pressures, std::span<const int> rigid_parts = {});
 
   const PressureLayout& pressure_layout() const { return pressures_.layout(); }
+  /// The present pressures, with ghosts [Pa].
+  Vec pressures() const { return pressures_.values(); }
   /// Whether displacements that are free feel every pressure. Incompressible bodies whose whole surface is held do not
   /// feel a pressure that is the same everywhere. Collective.
   bool determines_pressures() const;
@@ -45,6 +47,8 @@ class MixedEquation final : public StageEquation {
   void forget() override { potential_.forget(); }
   void freeze(Vec x) override;
   bool refreeze(Vec x) override;
+  bool exceeds_bound() const override { return potential_.exceeds_bound(); }
+  void exceed_bound() override { potential_.exceed_bound(); }
   void drag(Vec x, Vec at, Vec f) override;
   double value(Vec x) override;
   void gradient(Vec x, Vec r) override;

@@ -63,7 +63,8 @@ class Run:
         `pliant.gradient`."""
         from .studies import gradient
         return gradient(os.path.join(self.directory, "run.yaml"), {"time": self.history.time, **weights}, to=to, fields=fields,
-                        output=os.path.join(self.directory, "gradient"), ranks=ranks, timeout=timeout, kept_steps=kept_steps)
+                        output=os.path.join(self.directory, "gradient"), ranks=ranks, timeout=timeout, kept_steps=kept_steps,
+                        _steps=int(self.history["step"][-1]))
 
     @property
     def checkpoint(self) -> Checkpoint:

@@ -2,6 +2,7 @@
 import csv
 import dataclasses
 import os
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any, Optional
 
@@ -122,7 +123,7 @@ def sensitivity(source: Path, *, of: Sequence[str], to: Sequence[str], overrides
 
 def gradient(source: Path, weights: "Mapping[str, Any]", *, to: Sequence[str] = (), fields: Sequence[str] = (),
              overrides: "Optional[Mapping[str, Any]]" = None, output: Path = "out", ranks: int = 1, petsc_options: Sequence[str] = (),
-             timeout: Optional[float] = None, kept_steps: Optional[int] = None) -> Gradient:
+             timeout: Optional[float] = None, kept_steps: Optional[int] = None, _steps: Optional[int] = None) -> Gradient:
     """Runs an input file, and goes back through it: the derivatives of one number J, a function of columns of the history, by as many
     numbers and fields as there are. A vector-Jacobian product, as the backward pass of PyTorch and JAX wants it.
 
@@ -150,7 +151,12 @@ def gradient(source: Path, weights: "Mapping[str, Any]", *, to: Sequence[str] = 
         writer.writerows([repr(x) for x in row] for row in np.stack(list(columns.values()), axis=1).tolist())
     arguments = ["--to", ",".join(to)] * bool(to) + ["--fields", ",".join(fields)] * bool(fields)
     arguments += ["--kept-steps", str(kept_steps)] * (kept_steps is not None)
-    completed(["sensitivity", os.fspath(source), "--adjoint", file, *arguments, *settings_of(overrides, output)], ranks, petsc_options, timeout)
+    done = completed(["sensitivity", os.fspath(source), "--adjoint", file, *arguments, *settings_of(overrides, output)], ranks,
+                     petsc_options, timeout)
+    found = re.search(r"over (\d+) steps", done.stdout)
+    if _steps is not None and found is not None and int(found[1]) != _steps:
+        raise PliantError(f"{source}: it takes {found[1]} steps, and the history has {_steps}: a run that was resumed with other steps "
+                          "cannot be computed again; make one run of it")
     numbers = []
     if to:
         with open(os.path.join(directory, "gradient.csv"), encoding="utf-8", newline="") as stream:
