@@ -1,13 +1,17 @@
 #include "model/checks.hpp"
 
+#include "input/analysis.hpp"
 #include "input/checks/volumetric.hpp"
+#include "input/loads.hpp"
 #include "input/output_fields.hpp"
+#include "model/warnings.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/check.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -47,6 +51,38 @@ void require_factorization(const Config& config, bool is_plain) {
       {config.file, 0, 0},
       "'volumetric: mixed' with ties, rigid parts, joints or contact between bodies needs a factorization; "
       "use 'solver: {linear: cholesky}'");
+}
+
+void require_support(const Config& config, const NodeLayout& layout, const Components& components,
+                     std::span<const PetscInt> held, Selections& selections) {
+  // Whatever else may hold a part is not known here.
+  const bool is_plain = config.joints.empty() && config.tendons.empty() && config.rigid_bodies.empty();
+  if (analysis_of(config) == Analysis::dynamic || !is_plain || !may_fall(config)) return;
+  std::vector<char> is_held(static_cast<std::size_t>(components.count), 0);
+  const auto of = [&](PetscInt n) { return static_cast<std::size_t>(components.of_node[n]); };
+  for (const PetscInt n : held) is_held[of(n)] = 1;
+  for (char& flag : is_held) flag = any_rank(layout.comm, flag != 0) ? 1 : 0;
+  for (const LoadConfig& load : config.loads) {
+    const VectorExpression* vector = vector_of(load);
+    const auto is_nothing = [](const Expression& component) { return component.is_zero(); };
+    if (vector == nullptr || std::ranges::all_of(*vector, is_nothing)) continue;
+    std::vector<PetscInt> nodes(static_cast<std::size_t>(layout.num_owned_nodes));
+    std::iota(nodes.begin(), nodes.end(), 0);
+    if (load.part.kind != Selection::Kind::everything) nodes = selections.nodes(load.part);
+    const auto pushed = std::ranges::find_if(nodes, [&](PetscInt n) { return is_held[of(n)] == 0; });
+    std::vector<Vector3<double>> place;
+    if (pushed != nodes.end()) place.push_back(layout.position(*pushed));
+    const auto places = gathered(layout.comm, place);
+    if (places.empty()) continue;
+    const auto& [x, y, z] = places.front();
+    selections.report(load.where,
+                      fmt::format("nothing holds the part of the mesh near ({:.4g}, {:.4g}, {:.4g}) m, which shares no "
+                                  "node with what is held: the loads move it, and without inertia it has no "
+                                  "equilibrium; add constraints, springs or contact, or use a method with inertia",
+                                  x, y, z));
+    break;
+  }
+  selections.throw_if_errors();
 }
 
 void require_undeformed(const Config& config, Vec q) {

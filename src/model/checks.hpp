@@ -2,13 +2,16 @@
 #pragma once
 
 #include "energy/constraint/constraint_map.hpp"
+#include "fem/components.hpp"
 #include "fem/layout.hpp"
 #include "fem/probe.hpp"
 #include "input/config.hpp"
 #include "material/elastic_law.hpp"
 #include "material/volume_split.hpp"
+#include "model/selections.hpp"
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include <petscvec.h>
@@ -36,6 +39,11 @@ bool is_incompressible(MPI_Comm comm, VolumeOfPoints found, const Config& config
 /// Throws InputError if algebraic multigrid cannot solve for the pressures: `is_plain` if the unknowns are those of the
 /// nodes, and no pairs of surfaces couple them.
 void require_factorization(const Config& config, bool is_plain);
+
+/// Throws InputError if there is no inertia and loads push a component in which none of these nodes is, which are held.
+/// Collective.
+void require_support(const Config& config, const NodeLayout& layout, const Components& components,
+                     std::span<const PetscInt> held, Selections& selections);
 
 /// Throws InputError at a constraint if incompressible bodies do not start undeformed. Collective.
 void require_undeformed(const Config& config, Vec q);

@@ -272,7 +272,9 @@ void Model::find_components(const Config& config, Selections& selections) {
   components_ = connected_components(layout_);
   std::vector<char> is_held(static_cast<std::size_t>(components_.count), 0);
   std::vector<std::vector<PetscInt>> links;
+  std::vector<PetscInt> held;  // nodes
   const auto hold = [&](const std::vector<PetscInt>& nodes) {
+    held.insert(held.end(), nodes.begin(), nodes.end());
     for (const PetscInt n : nodes) is_held[static_cast<std::size_t>(components_.of_node[n])] = 1;
   };
   for (const ConstraintConfig& c : config.constraints) {
@@ -282,11 +284,8 @@ void Model::find_components(const Config& config, Selections& selections) {
     };
     const auto* periodic = std::get_if<ConstraintConfig::Periodic>(&c.kind);
     const auto* equation = std::get_if<ConstraintConfig::Equation>(&c.kind);
-    if (equation == nullptr) {
-      add(c.part);
-    } else {
-      for (const EquationTermConfig& term : equation->terms) add(term.part);
-    }
+    if (equation == nullptr) add(c.part);
+    if (equation != nullptr) std::ranges::for_each(equation->terms, add, &EquationTermConfig::part);
     if (periodic != nullptr) add(periodic->partner);
     const auto* tied = std::get_if<ConstraintConfig::Tied>(&c.kind);
     if (tied != nullptr) add(tied->partner);
@@ -298,7 +297,7 @@ void Model::find_components(const Config& config, Selections& selections) {
   }
   if (analysis_of(config) == Analysis::dynamic && may_fall(config)) {
     int num_free = 0;
-    for (const char held : is_held) num_free += any_rank(layout_.comm, held != 0) ? 0 : 1;
+    for (const char flag : is_held) num_free += any_rank(layout_.comm, flag != 0) ? 0 : 1;
     if (num_free > 0) {
       diagnostics_.push_back(note(fmt::format(
           "nothing holds {}: the loads move {} away; add constraints, springs or contact to hold a body",
@@ -315,6 +314,7 @@ void Model::find_components(const Config& config, Selections& selections) {
     links.push_back(std::move(nodes));
   }
   for (const auto& nodes : links) join(components_, layout_, nodes);
+  require_support(config, layout_, components_, held, selections);
 }
 
 void Model::check_overlap(const Config& config) {
@@ -412,6 +412,7 @@ void Model::require_finite(double time) const {
 
 void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
   put_initial_state(config, layout_, body_of_cell_, q, v);
+  if (rods_.term) rods_.term->turn_frames(q);
   for (const auto& [what, vec] : {std::pair{"displacement", q}, {"velocity", v}})
     require_finite_initial(config, layout_, what, vec);
   const Step before_start{0.0, config.time.step};

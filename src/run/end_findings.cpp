@@ -2,6 +2,9 @@
 
 #include "input/analysis.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/format.h>
 
 namespace pliant {
@@ -11,6 +14,8 @@ namespace {
 constexpr double rest = 0.01;
 /// A larger part of the energy supplied than this is too much for a method of the first order, too.
 constexpr double much = 0.5;
+/// A larger part of the energies than this that cannot be accounted for is no rounding error.
+constexpr double unbalanced = 0.01;
 
 Diagnostic finding_about_loss(const Config& config, const EnergyWatch::Loss& loss, double kinetic,
                               double longest_step) {
@@ -55,6 +60,15 @@ std::vector<Diagnostic> findings_about_energy(const Config& config, const Energy
                      "jumps of prescribed displacements by ramps",
                      growth->time, growth->factor, growth->includes_dissipation ? " (including dissipation)" : "",
                      longest_step, name, damps ? "" : " or bdf2, dirk22 or dirk33")});
+  }
+  const double size =
+      std::max({std::abs(end.load_work), std::abs(end.elastic), std::abs(end.load_potential), end.kinetic});
+  if (std::abs(end.balance_error) > unbalanced * size) {
+    found.push_back(
+        {Severity::warning, config.time.method.where,
+         fmt::format("the energies do not balance: {:.3g} J of {:.3g} J cannot be accounted for, so that states "
+                     "are not solutions; is there a body that nothing holds?",
+                     std::abs(end.balance_error), size)});
   }
   if (const auto loss = watch.loss(end)) found.push_back(finding_about_loss(config, *loss, end.kinetic, longest_step));
   return found;

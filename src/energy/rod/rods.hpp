@@ -90,6 +90,9 @@ class Rods final : public EnergyTerm, public PairCoupling {
   /// The moments that the vertices counted by this rank carry at displacements q: bending in both planes, and the
   /// torque about the axis, by their numbers, zero of others [N m]. `near`: as the term has it.
   std::vector<std::array<double, 3>> moments(const NearPatches& near, std::span<const double> q) const;
+  /// Turns the frames of segments to where the ends and the first directors' points are at displacements q: a formula
+  /// of the position bends the axis, and shears the sections, which stay across the axis. Collective.
+  void turn_frames(Vec q) const;
   /// The length of a segment at rest [m].
   double length_of(std::size_t segment) const { return segments_[segment].length; }
   /// The number of the vertex after a segment; -1: none.

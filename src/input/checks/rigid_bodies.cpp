@@ -148,7 +148,8 @@ void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
   }
   const bool none_has_surface =
       std::ranges::none_of(config.rigid_bodies, [](const RigidBodyConfig& body) { return body.surface.has_value(); });
-  if (config.contact && config.bodies.empty() && !config.rigid_bodies.empty() && none_has_surface) {
+  const bool are_alone = config.bodies.empty() && config.rods.empty() && config.shells.empty();
+  if (config.contact && are_alone && !config.rigid_bodies.empty() && none_has_surface) {
     diagnostics.add(
         config.contact->where,
         "these rigid bodies have no surface that could touch anything: give them a 'surface', or mesh their volumes "
