@@ -153,6 +153,7 @@ void check_held(const Config& config, const InputNode& root, Diagnostics& diagno
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto is_free = [&](const InputNode& constraint) {
       const InputNode* displacement = given(constraint, {"displacement"});
+      if (displacement == nullptr) displacement = given(constraint, {"rigid", "translation"});
       return displacement != nullptr && displacement->children.size() == 3 &&
              displacement->children[axis].text == "free";
     };

@@ -200,7 +200,6 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   body_of_cell_ = selections.cells(parts);
   rods_ = make_rods(config, mesh, layout_, body_of_cell_, selections);
   include(notes_about_fibres(config, rods_));
-
   shells_ = find_shells(config, layout_, selections);
   LoadParts load_parts =
       find_loads(config, {layout_, *pattern_, body_of_cell_, densities_, rods_, shells_}, selections);
@@ -295,7 +294,8 @@ void Model::find_components(const Config& config, Selections& selections) {
       links.push_back(std::move(nodes));
     }
   }
-  if (analysis_of(config) == Analysis::dynamic && may_fall(config)) {
+  const bool is_known = config.joints.empty() && config.tendons.empty() && config.rigid_bodies.empty();
+  if (analysis_of(config) == Analysis::dynamic && is_known && may_fall(config)) {
     int num_free = 0;
     for (const char flag : is_held) num_free += any_rank(layout_.comm, flag != 0) ? 0 : 1;
     if (num_free > 0) {

@@ -14,7 +14,7 @@ namespace {
 constexpr double rest = 0.01;
 /// A larger part of the energy supplied than this is too much for a method of the first order, too.
 constexpr double much = 0.5;
-/// A larger part of the energies than this that cannot be accounted for is no rounding error.
+/// A larger part of the energies than this that cannot be accounted for is more than rounding.
 constexpr double unbalanced = 0.01;
 
 Diagnostic finding_about_loss(const Config& config, const EnergyWatch::Loss& loss, double kinetic,

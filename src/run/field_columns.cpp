@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace pliant {
 namespace {
@@ -28,8 +27,13 @@ std::vector<double> sizes_of(const NodeLayout& layout, const FieldRegion& region
   return sizes;
 }
 
-double norm_of(const double* values, std::size_t count) {
-  return std::sqrt(std::inner_product(values, values + count, values, 0.0));
+/// Counts all components; those outside the diagonal of a symmetric tensor (xx, yy, zz, then three others) stand for
+/// two.
+double norm_of(const double* values, int count) {
+  constexpr int symmetric = 6, diagonal = 3;
+  double sum = 0.0;
+  for (int i = 0; i < count; ++i) sum += (count == symmetric && i >= diagonal ? 2.0 : 1.0) * values[i] * values[i];
+  return std::sqrt(sum);
 }
 
 }  // namespace
@@ -57,7 +61,7 @@ FieldColumns::FieldColumns(const Config& config, const Model& model, ResultField
 double FieldColumns::Column::number(const double* values) const {
   if (of.component) return values[*of.component];
   const int count = num_components(of.field.shape);
-  return count == 1 ? *values : norm_of(values, static_cast<std::size_t>(count));
+  return count == 1 ? *values : norm_of(values, count);
 }
 
 void FieldColumns::add(const Column& column, double weight, const double* values, Partial& sum) {

@@ -73,7 +73,7 @@ double Ledger::supplied_at_last_state(const Instant& start, const Instant& end) 
     update_ghosts(present);
   };
   exchange();
-  const double supplied = model_.potential().accounts().supplied(start, end, q_.get());
+  const double supplied = model_.potential().accounts().supplied(start, end, q_.get(), EnergyAccounts::Walls::left_out);
   exchange();
   return supplied;
 }
@@ -267,7 +267,9 @@ void Ledger::add_works_along_displacement(const StepAttempt& attempt) {
   for (std::size_t w = 0; w < num_works; ++w) works_[w] += 0.5 * (before[w] + after[w]);
   const Instant start = model_.instant(time_, load_factor_), end = model_.instant(attempt.time, attempt.load_factor);
   EnergyAccounts accounts = model_.potential().accounts();
-  const double supplied = 0.5 * (supplied_at_last_state(start, end) + accounts.supplied(start, end, attempt.q));
+  const double supplied = 0.5 * (supplied_at_last_state(start, end) +
+                                 accounts.supplied(start, end, attempt.q, EnergyAccounts::Walls::left_out)) +
+                          work_of_walls(attempt);
   const double passed =
       analysis_ == Analysis::static_equilibrium ? attempt.load_factor - load_factor_ : attempt.time - time_;
   const auto integral = [&](std::size_t w) { return 0.5 * passed * (last_powers_[w] + power[w]); };
@@ -278,8 +280,28 @@ void Ledger::add_works_along_displacement(const StepAttempt& attempt) {
     works_[stored] -= dissipated;
     works_[m] += dissipated;
   }
+  // Time stands still in static analyses.
+  for (std::size_t w = first_impulse(); w < works_.size() && analysis_ == Analysis::quasistatic; ++w) {
+    works_[w] += integral(w);
+  }
   last_powers_ = power;
   powers_are_known_ = true;
+}
+
+// Powers by one-sided differences of second order.
+double Ledger::work_of_walls(const StepAttempt& attempt) {
+  constexpr double part = 1e-4;  // of the step
+  const auto instant = [&](double fraction) {
+    return model_.instant(time_ + fraction * (attempt.time - time_),
+                          load_factor_ + fraction * (attempt.load_factor - load_factor_));
+  };
+  EnergyAccounts accounts = model_.potential().accounts();
+  const auto gained = [&](double from, double to, Vec q) {
+    return accounts.supplied(instant(from), instant(to), q, EnergyAccounts::Walls::alone);
+  };
+  const double at_start = 4.0 * gained(0.0, part, q_.get()) - gained(0.0, 2.0 * part, q_.get());
+  const double at_end = 4.0 * gained(1.0 - part, 1.0, attempt.q) - gained(1.0 - 2.0 * part, 1.0, attempt.q);
+  return 0.5 * (at_start + at_end) / (2.0 * part);
 }
 
 void Ledger::keep_forces(const StagePoint& stage, Vec q) {

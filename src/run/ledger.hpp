@@ -107,6 +107,9 @@ class Ledger {
   void keep_forces(const StagePoint& stage, Vec q);
   /// What the energies of terms that depend on time gain at the last state, with its pressures [J].
   double supplied_at_last_state(const Instant& start, const Instant& end);
+  /// The work of walls that move in a step to `attempt`, by the trapezoidal rule: at the places that they have at its
+  /// other end their energies may be infinite [J].
+  double work_of_walls(const StepAttempt& attempt);
   void keep_pressures();
   Works works_along(Vec displacement) const;
   /// Sets the works of `supports` and `ideal_constraints`.

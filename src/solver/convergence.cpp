@@ -76,7 +76,7 @@ void Convergence::lower_scale(Vec q) {
   if (now < much_less * scale_) scale_ = now;
 }
 
-// Unknowns of rigid parts count from their place at the guess, and pressures are no lengths.
+// Unknowns of rigid parts count from their place at the guess, and pressures have another unit.
 double Convergence::size_of(Vec q) {
   return norm(objective_.equation().displacements(q));
 }

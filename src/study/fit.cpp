@@ -104,7 +104,7 @@ FittedMaterial fit_material(const std::string& text, const std::string& file) {
 
 void remove_results(const fs::path& directory) {
   for (const char* name : {"fit.csv", "material.yaml", "fitted.yaml", "report.html"}) {
-    std::error_code ignored;  // what cannot be removed is told where it cannot be written
+    std::error_code ignored;  // what cannot be removed cannot be written either, with a message
     fs::remove(directory / name, ignored);
   }
 }

@@ -142,6 +142,9 @@ output: {{history: [{{name: peak, of: von_mises_stress, take: max}}]}}
         done = self.compare(f"out/{rows[0]['directory']}", f"out/{rows[1]['directory']}", "--of", "peak,tip_uz", "--output", "both")
         self.assertRegex(done.stdout, r"peak \[Pa\]: .* in 02_\S+ at load factor \S+, ")
         self.assertIn("load factor", texts_of(self.directory / "both/tip_uz_difference.svg"))
+        self.run_input(INPUT, "time.step=20 ms", "time.end=60 ms", output="dynamic")
+        done = self.compare("dynamic", f"out/{rows[0]['directory']}", code=2)
+        self.assertIn("its rows are at values of load factor, and those of 'dynamic' at values of time [s]", done.stderr)
 
     def test_mistakes_in_results(self):
         for result, expected in (("tip_z", "no parentheses"), ("most(tip_z)", "there is no function 'most'"), ("=max(tip_z)", "a name is missing")):

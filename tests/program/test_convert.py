@@ -291,6 +291,30 @@ class Convert(ProgramTest):
         self.assertIn("a second load on the same place, with another amplitude", said)
         self.assertIn("not complete", said)
 
+    def test_any_order_of_cards_and_any_case_of_names(self):
+        text = abaqus_cubes(["*ELASTIC\n1e5, 0.3\n"], pulled(1))
+        usual, _ = self.convert("cubes.inp", text)
+        heading, nodes, rest = re.fullmatch(r"(?s)(\*HEADING.*?\n)(\*NODE.*?)(\*NSET.*)", text).groups()
+        sets, others = re.fullmatch(r"(?s)(.*?)(\*BOUNDARY.*)", rest).groups()
+        self.assertEqual(self.convert("cubes.inp", heading + sets + nodes + others)[0], usual)
+        steps = "*STATIC\n0.25, 1.\n*DLOAD\ncube1, P4, -10.\n*END STEP\n*STEP, NLGEOM\n*STATIC\n0.25, 1.\n*DLOAD\nCUBE1, P4, -20.\n"
+        config, _ = self.convert("cubes.inp", abaqus_cubes(["*ELASTIC\n1e5, 0.3\n"], steps))
+        self.assertEqual(len(config["loads"]), 1)
+
+    def test_elements_without_a_section_are_told(self):
+        text = abaqus_cubes(["*ELASTIC\n1e5, 0.3\n"] * 2, pulled(2)).replace("*SOLID SECTION, ELSET=cube2, MATERIAL=rubber2\n", "")
+        _, said = self.convert("cubes.inp", text)
+        self.assertIn("1 of 2 elements have no *SOLID SECTION", said)
+
+    def test_loads_of_a_visco_step_act_at_once(self):
+        for step, expected in (("*STATIC", True), ("*VISCO", False)):
+            text = abaqus_cubes(["*HYPERELASTIC, NEO HOOKE\n1e5, 2e-6\n"], f"{step}\n0.25, 1.\n*DLOAD\ncube1, P4, -10.\n")
+            config, _ = self.convert("cubes.inp", text)
+            self.assertEqual("*t" in str(config["loads"]), expected, config["loads"])
+        text = abaqus_cubes(["*ELASTIC\n1e5, 0.3\n*DENSITY\n1\n"], "*DYNAMIC\n0.25, 1.\n*DLOAD\ncube1, P4, -10.\n")
+        self.assertNotIn("*t", str(self.convert("cubes.inp", text)[0]["loads"]))
+        self.assertIn("*t", str(self.convert("cubes.inp", text.replace("*STEP, NLGEOM", "*STEP, NLGEOM, AMPLITUDE=RAMP"))[0]["loads"]))
+
     def test_quadratic_and_other_elements(self):
         """A curved quadratic brick keeps its volume, to that of its tetrahedra; wedges and pyramids fit; all match at their faces."""
         edges = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))

@@ -155,6 +155,14 @@ probes: [{{name: near, point: [2, 0, 0]}}, {{name: far, point: [10, 0, 0]}}, {{n
                 self.assertEqual(h["dissipated_energy"][-1] > 0, bool(viscosity))
             self.assertLess(losses[1], (0.6 if viscosity else 0.3) * losses[0])
 
+    def test_books_of_slow_heating_with_pressures(self):
+        losses = []
+        for step in (0.1, 0.05):
+            h = self.brick(NEO_HOOKEAN, "1 + 0.1*t", HELD, f"method: quasistatic, step: {step}, end: 1", ("P2", "mixed"), n=(1, 1, 1))
+            losses.append(abs(h["numerical_dissipation"][-1]) / h["elastic_energy"][-1])
+        self.assertLess(losses[0], 0.02)
+        self.assertLess(losses[1], 0.3 * losses[0])
+
     def test_stretch_that_is_not_positive(self):
         write_box(self.directory / "brick.msh", (1, 1, 1))
         for stretch, method, code, message in (

@@ -119,6 +119,8 @@ class Sweep(ProgramTest):
                 done = self.sweep(setting, options=options, code=2)
                 self.assertIn(expected, done.stderr)
                 self.assertEqual(done.stderr.count("\n"), 1)
+        done = self.sweep("time.step=[5 ms, 10 ms]", options=("--result", "exit_code=max(tip_z)"), code=2)
+        self.assertIn("sweep.csv has a column of this name already", done.stderr)
         done = self.call("sweep", self.directory, "--set", "time.step=[1, 2]")
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
         self.assertIn("give the path of an input file", done.stderr)

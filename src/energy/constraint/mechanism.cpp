@@ -86,28 +86,6 @@ std::vector<PartMotion> Mechanism::motions(const Vector& xi) const {
   return result;
 }
 
-void Mechanism::evaluate(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const {
-  evaluate_all(parts, h, G);
-  if (lag_ != 0.0) h -= lag_ * violation_;
-}
-
-void Mechanism::evaluate_all(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const {
-  if (level_ == Level::acceleration) {
-    joints_.acceleration(parts, start_, advance_, given_, h, G);
-    return;
-  }
-  if (level_ == Level::configuration) {
-    joints_.configuration(parts, Along::columns, given_, h, G);
-    return;
-  }
-  std::vector<PartMotion> ends(parts.size());
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    ends[p].value = sum_of(end_weight_, parts[p].value, rest_[p]);
-    for (const auto& column : parts[p].columns) ends[p].columns.push_back(sum_of(end_weight_, column, {}));
-  }
-  joints_.configuration(ends, Along::columns, given_, h, G);
-}
-
 // The orthonormal columns nearest to the preferred ones: the polar factor of their part in the null space of G.
 void Mechanism::choose_columns() {
   const Eigen::Index n = G_ref_.cols(), m = std::min(G_ref_.rows(), n), num_free = n - m;
@@ -213,14 +191,6 @@ void Mechanism::begin_stage(const StagePoint& stage, Vec q) {
   Matrix G;
   evaluate(motions(accepted), violation_, G);
   for (const auto& part : parts_) part->set_prescribed_fraction(1.0);
-}
-
-// From h at the accepted state to 0, at whatever level the equations are.
-void Mechanism::set_prescribed_fraction(double fraction) {
-  if (violation_.size() == 0) return;
-  solution_ = {};
-  for (const auto& part : parts_) part->set_prescribed_fraction(fraction);
-  lag_ = 1.0 - fraction;
 }
 
 void Mechanism::begin_end_of_step(Vec q) {

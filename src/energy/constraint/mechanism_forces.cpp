@@ -2,9 +2,39 @@
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 
-// The forces in a mechanism.
+// The equations of the joints in a stage, and the forces in a mechanism.
 
 namespace pliant {
+
+void Mechanism::evaluate(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const {
+  evaluate_all(parts, h, G);
+  if (lag_ != 0.0) h -= lag_ * violation_;
+}
+
+void Mechanism::evaluate_all(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const {
+  if (level_ == Level::acceleration) {
+    joints_.acceleration(parts, start_, advance_, given_, h, G);
+    return;
+  }
+  if (level_ == Level::configuration) {
+    joints_.configuration(parts, Along::columns, given_, h, G);
+    return;
+  }
+  std::vector<PartMotion> ends(parts.size());
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    ends[p].value = sum_of(end_weight_, parts[p].value, rest_[p]);
+    for (const auto& column : parts[p].columns) ends[p].columns.push_back(sum_of(end_weight_, column, {}));
+  }
+  joints_.configuration(ends, Along::columns, given_, h, G);
+}
+
+// From h at the accepted state to 0, at whatever level the equations are.
+void Mechanism::set_prescribed_fraction(double fraction) {
+  if (violation_.size() == 0) return;
+  solution_ = {};
+  for (const auto& part : parts_) part->set_prescribed_fraction(fraction);
+  lag_ = 1.0 - fraction;
+}
 
 // With the forces phi on the parts' unknowns and V = N - A (G_W A)^-1 G_W N, A = D G_ref^T: phi^T dV = -lambda^T dG_W
 // V, lambda = (G_W A)^-T A^T phi.

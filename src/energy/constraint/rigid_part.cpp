@@ -86,30 +86,6 @@ Placement RigidPart::nearest(Vec q) const {
                            : nearest_placement(*layout_, nodes_, centre, q);
 }
 
-GivenKinematics RigidPart::given_at(const StagePoint& stage) const {
-  const double passed = stage.time - stage.step_start;
-  return {motion_, stage.time, passed > 0.0 ? passed : stage.dt, stage.load_factor,
-          passed > 0.0 ? Side::before : Side::after};
-}
-
-void RigidPart::start_stage(const StagePoint& stage) const {
-  if (rigidity_ != Rigidity::of_accelerations || free_components_.size() == 3) return;
-  const double dt = stage.dt;
-  const GivenKinematics given = given_at(stage);
-  const Vector3<double> q0 = (*fit_)(*layout_, nodes_, stage.q0).translation;
-  const Vector3<double> v0 = (*fit_)(*layout_, nodes_, stage.v0).translation;
-  const ArrayView q(stage.q0), v(stage.v0);
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (!motion_.gives(static_cast<int>(i))) continue;
-    const Kinematics centre = given(static_cast<int>(i), motion_.rigid->centre);
-    for (const PetscInt a : nodes_) {
-      const PetscInt entry = 3 * a + static_cast<PetscInt>(i);
-      q[entry] += centre.u - dt * centre.v - q0[i];
-      v[entry] += centre.v - dt * centre.a - v0[i];
-    }
-  }
-}
-
 // With F0 = I + h, dt F0' = g and B = 3/4 I + b, quantities of the size of the displacements are kept apart:
 // 16 S^2 = I + 16 Z, Z = 3/4 (b + b^T) + b^T b - (h + h^T + h^T h) / 2.
 RigidPart::Shape RigidPart::shape_of(const StagePoint& stage) const {
@@ -157,12 +133,6 @@ void RigidPart::begin_stage(const StagePoint& stage, Vec q) {
   if (stage.accepted != nullptr && is_moved()) start_translation_ = nearest(stage.accepted).translation;
   shape_ = shape_of(stage);
   reference_ = nearest_rotation((*fit_)(*layout_, nodes_, q).gradient);
-  at_ = {};
-}
-
-void RigidPart::set_prescribed_fraction(double fraction) {
-  if (!is_moved()) return;
-  given_translation_ = fraction * end_translation_ + (1.0 - fraction) * start_translation_;
   at_ = {};
 }
 

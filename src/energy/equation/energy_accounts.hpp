@@ -31,8 +31,10 @@ class EnergyAccounts {
   std::vector<double> energies(const Instant& when, Vec q, Vec z);
   /// EnergyTerm::dissipated of each term; z as above [J].
   std::vector<double> dissipated(Vec z) const;
+  /// Which terms count: walls (TermDeclaration::is_wall) may have infinite energies where they stand later.
+  enum class Walls { left_out, alone, among_all };
   /// Change of the energies at fixed q from one instant to another, which time alone causes [J].
-  double supplied(const Instant& from, const Instant& to, Vec q);
+  double supplied(const Instant& from, const Instant& to, Vec q, Walls walls);
   /// Calls `visit` for the stress that each term has in each of its local cells, ghosts included; z as above, v =
   /// nullptr: at rest.
   void visit_stresses(const Instant& at, Vec q, Vec v, Vec z,

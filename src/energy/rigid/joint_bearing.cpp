@@ -8,10 +8,10 @@
 namespace pliant {
 namespace {
 
-const PartMotion ground{};
+const PartMotion of_ground{};
 
 const PartMotion& part_of(int body, std::span<const PartMotion> parts) {
-  return body < 0 ? ground : parts[static_cast<std::size_t>(body)];
+  return body < 0 ? of_ground : parts[static_cast<std::size_t>(body)];
 }
 
 /// x + h dx, to the first order in h.

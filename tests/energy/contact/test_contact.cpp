@@ -161,8 +161,8 @@ TEST_P(Contacting, PowersAddUp) {
     for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(power.force[i], -force[i], 1e-12 * size);
     if (term == terms_.contact.get()) {
       EXPECT_EQ(power.dissipated, 0.0);
-      const double h = 1e-4,
-                   change = potential.accounts().supplied({time_of_stage - h, 1.0}, {time_of_stage + h, 1.0}, q_.get());
+      const double h = 1e-4, change = potential.accounts().supplied({time_of_stage - h, 1.0}, {time_of_stage + h, 1.0},
+                                                                    q_.get(), EnergyAccounts::Walls::among_all);
       EXPECT_NEAR(power.supplied, change / (2.0 * h), 1e-6 * std::abs(power.supplied));
     } else {
       EXPECT_GT(power.dissipated, 0.0) << term->name();

@@ -12,7 +12,22 @@ OUTPUT = {"NODEPRINT", "ELPRINT", "NODEFILE", "ELFILE", "OUTPUT", "NODEOUTPUT", 
           "SECTIONPRINT", "FACEPRINT", "ENERGYPRINT", "ENERGYOUTPUT", "ENERGYFILE", "FILEOUTPUT", "PREPRINT", "RESTART", "MONITOR", "PRINT",
           "ELEMENTPRINT", "TIMEPOINTS"}
 CONDITIONS = {"EQUATION", "MPC", "TEMPERATURE", "EXPANSION", "RIGIDBODY", "COUPLING", "KINEMATIC", "DISTRIBUTING", "CONTACTPAIR", "CONTACT"}
+STRUCTURE = {"PART", "ENDPART", "INSTANCE", "ENDINSTANCE", "ASSEMBLY", "ENDASSEMBLY", "STEP", "ENDSTEP"}
+FIRST = {"NODE": 0, "ELEMENT": 1}
 CONTROLS = {"CONTROLS", "SOLVERCONTROLS", "HOURGLASSSTIFFNESS", "SECTIONCONTROLS"}
+
+
+def in_order(cards):
+    """Nodes, then elements, come before what names them, within a part, an instance or the assembly; the file may have any order."""
+    block = []
+    for card in cards:
+        if card.keyword in STRUCTURE:
+            yield from sorted(block, key=lambda one: FIRST.get(one.keyword, len(FIRST)))
+            yield card
+            block = []
+        else:
+            block.append(card)
+    yield from sorted(block, key=lambda one: FIRST.get(one.keyword, len(FIRST)))
 
 
 def read(file, diagnostics):
@@ -22,7 +37,7 @@ def read(file, diagnostics):
     steps = AbaqusSteps(model, mesh, diagnostics)
     sections, output, controls = [], [], []
     interaction, friction = "", {}
-    for card in read_cards(file, diagnostics):
+    for card in in_order(read_cards(file, diagnostics)):
         if mesh.read(card) or materials.read(card) or steps.read(card):
             continue
         if card.keyword == "HEADING":
@@ -59,6 +74,9 @@ def read(file, diagnostics):
     for name, card in sections:
         name = name if name in model.element_sets else mesh.spelled("element", name)  # a set that is defined after its section
         add_body(model, name, card, materials, nonlinear, finished, diagnostics)
+    without = set(range(len(model.elements))).difference(*(model.element_sets.get(body.elements, ()) for body in model.bodies))
+    if model.bodies and without:
+        diagnostics.missing(None, f"{len(without)} of {len(model.elements)} elements have no *SOLID SECTION, and are left out with what is on them alone")
     steps.finish(nonlinear)
     return model
 

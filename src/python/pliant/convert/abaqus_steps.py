@@ -35,7 +35,8 @@ class AbaqusSteps:
         self.start = self.end = 0.0
         self.in_step = self.is_nonlinear = self.step_is_nonlinear = self.skipped = self.has_amplitudes = False
         self.given = {}  # in the present step, by table and key: the course before it, and [card, value] of the step
-        self.kind, self.num_steps, self.increment, self.procedure_read = None, 0, 0.0, False
+        self.kind, self.procedure = None, ""
+        self.num_steps, self.increment, self.procedure_read = 0, 0.0, False
         self.handlers = {"AMPLITUDE": self.read_amplitude, "BOUNDARY": self.read_boundary, "CLOAD": self.read_forces, "DLOAD": self.read_loads,
                          "DSLOAD": self.read_loads, "INITIALCONDITIONS": self.read_initial, "TIE": self.read_tie, "STEP": self.begin_step,
                          "ENDSTEP": self.end_step, **{name: self.read_procedure for name in (*STATIC, *DYNAMIC)},
@@ -80,7 +81,7 @@ class AbaqusSteps:
             return
         if not self.in_step:
             raise self.diagnostics.wrong(card.line, f"{card.title} stands outside of a step (*STEP)")
-        self.kind = kind
+        self.kind, self.procedure = kind, card.keyword
         entries = card.data[0][1] if card.data else []
         line = card.data[0][0] if card.data else card.line
         increment = real(entries, 0, line, self.diagnostics, "the first increment", 1.0)
@@ -138,7 +139,7 @@ class AbaqusSteps:
             piece = course.within(self.start, max(self.end, course.segments[-1].end) if is_total else self.end)
         else:
             first = before.at(self.start) if before is not None else 0.0
-            ramps = self.kind == "static" and self.step_card.upper("AMPLITUDE") != "STEP"
+            ramps = self.step_card.upper("AMPLITUDE", "RAMP" if self.procedure == "STATIC" else "STEP") == "RAMP"
             piece = Course((Segment(self.start, self.end, first if ramps else value, value),))
         if self.start > 0:
             return (before or Course.constant(0.0)).within(0.0, self.start).followed_by(piece)
@@ -218,9 +219,9 @@ class AbaqusSteps:
         for line, entries in card.data:
             if len(entries) < 2:
                 raise self.diagnostics.wrong(line, f"{card.title} needs a set or surface, a type and a magnitude")
-            on, label = entries[0], entries[1].upper()
+            on, label = self.mesh.spelled("element", entries[0]), entries[1].upper()
             value = real(entries, 2, line, self.diagnostics, "the magnitude")
-            surface = self.mesh.spelled("surface", on)
+            surface = self.mesh.spelled("surface", entries[0])
             if label == "P" and surface in self.model.surfaces:
                 self.change(card, self.pressures, (surface, "P"), value, adds=True)
             elif re.fullmatch(r"P[1-6]", label):
