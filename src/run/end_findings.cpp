@@ -16,6 +16,8 @@ constexpr double rest = 0.01;
 constexpr double much = 0.5;
 /// A larger part of the energies than this that cannot be accounted for is more than rounding.
 constexpr double unbalanced = 0.01;
+/// Smaller energies are rounding errors of bodies without loads [J].
+constexpr double no_energy = 1e-20;
 
 Diagnostic finding_about_loss(const Config& config, const EnergyWatch::Loss& loss, double kinetic,
                               double longest_step) {
@@ -63,7 +65,8 @@ std::vector<Diagnostic> findings_about_energy(const Config& config, const Energy
   }
   const double size =
       std::max({std::abs(end.load_work), std::abs(end.elastic), std::abs(end.load_potential), end.kinetic});
-  if (std::abs(end.balance_error) > unbalanced * size) {
+  const bool is_static = analysis_of(config) != Analysis::dynamic;
+  if (is_static && size > no_energy && std::abs(end.balance_error) > unbalanced * size) {
     found.push_back(
         {Severity::warning, config.time.method.where,
          fmt::format("the energies do not balance: {:.3g} J of {:.3g} J cannot be accounted for, so that states "

@@ -18,6 +18,8 @@ constexpr double tiny_part = 1e-6;
 /// The scale is not lowered below this fraction of that of the guess. Forces and residual of an iterate near a solution
 /// without stress fall together, down to numbers like 1e-50 N, without meeting any tolerance.
 constexpr double least_part = 1e-12;
+/// A residual above this part of that of the iterate before does not fall any more.
+constexpr double settled = 0.5;
 /// Forces up to this multiple of the rounding floor count as zero.
 constexpr double no_forces = 10.0;
 
@@ -49,6 +51,8 @@ Convergence::Verdict Convergence::judge(int iteration, double residual, Vec q, b
     return Verdict::converged;
   }
   if (iteration == 0) start_ = {residual, size_of(q)};
+  has_settled_ = iteration > 0 && residual > settled * last_residual_;
+  last_residual_ = residual;
   const bool may_be_rounding = iteration > 0 || starts_at_solution_;
   if (!line_search_is_at_rounding && !(may_be_rounding && is_rounding(residual, q))) return Verdict::iterating;
   count_rounding(residual, q);
@@ -56,6 +60,7 @@ Convergence::Verdict Convergence::judge(int iteration, double residual, Vec q, b
 }
 
 bool Convergence::is_solution(double residual, Vec q) {
+  has_settled_ = false;
   lower_scale(q);
   return residual <= target() || is_rounding(residual, q);
 }
@@ -91,7 +96,9 @@ bool Convergence::is_rounding(double residual, Vec q) {
     floor = rounding_safety * objective_.equation().rounding_floor(q);
     if (!(residual <= floor)) return false;
   }
-  return start_.allows_rounding(residual, floor, size_of(q));
+  // A body that flies without forces starts with rounding errors, and has nothing that falls.
+  const double size = size_of(q);
+  return start_.allows_rounding(residual, floor, size) || (has_settled_ && residual * size <= floor * start_.size);
 }
 
 }  // namespace pliant

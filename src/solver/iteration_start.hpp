@@ -11,7 +11,7 @@ struct IterationStart {
   /// unsupported body drifts until its rounding errors are as large as its load. The floor is proportional to the norm
   /// of the displacements; scaled to the norm at the start, it must still exceed the residual.
   bool allows_rounding(double residual_now, double floor, double size_now) const {
-    return residual_now <= 0.1 * residual || residual_now * size_now <= floor * size;
+    return residual_now <= 0.1 * residual || residual * size_now <= floor * size;
   }
 };
 

@@ -273,7 +273,8 @@ class Documents(ProgramTest):
                     self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
                     continue
                 needs_no_body = any(shell.get("free") for shell in part.get("shells", []))
-                if {"mesh", "bodies", "time"} <= set(part) | ({"bodies"} if needs_no_body else set()):
+                are_rods_alone = {"rods", "time"} <= set(part) and not {"mesh", "bodies"} & set(part) and all("points" in r for r in part["rods"])
+                if {"mesh", "bodies", "time"} <= set(part) | ({"bodies"} if needs_no_body else set()) or are_rods_alone:
                     file = self.write("input/whole.yaml", text)
                 else:
                     names = names_in(part, {"volume": [], "surface": [], "point": []})
