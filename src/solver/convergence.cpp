@@ -50,7 +50,10 @@ Convergence::Verdict Convergence::judge(int iteration, double residual, Vec q, b
     if (residual > unbalanced_part * scale_) ++statistics_.unbalanced_stops;
     return Verdict::converged;
   }
-  if (iteration == 0) start_ = {residual, size_of(q)};
+  if (iteration == 0) {
+    start_ = {residual, norm(q)};
+    size_at_start_ = size_of(q);
+  }
   has_settled_ = iteration > 0 && residual > settled * last_residual_;
   last_residual_ = residual;
   const bool may_be_rounding = iteration > 0 || starts_at_solution_;
@@ -97,8 +100,8 @@ bool Convergence::is_rounding(double residual, Vec q) {
     if (!(residual <= floor)) return false;
   }
   // A body that flies without forces starts with rounding errors, and has nothing that falls.
-  const double size = size_of(q);
-  return start_.allows_rounding(residual, floor, size) || (has_settled_ && residual * size <= floor * start_.size);
+  return start_.allows_rounding(residual, floor, norm(q)) ||
+         (has_settled_ && residual * size_of(q) <= floor * size_at_start_);
 }
 
 }  // namespace pliant

@@ -82,6 +82,7 @@ class Convergence {
   int num_lowered_ = 0;               // how often in this run the scale was lowered to that of the iterate
   bool starts_at_solution_ = false;
   IterationStart start_;
+  double size_at_start_ = 0.0;  // size_of
   bool has_settled_ = false;    // the last iteration has not lowered the residual by much
   double last_residual_ = 0.0;  // of the iterate before [N]
 };
