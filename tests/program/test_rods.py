@@ -124,8 +124,7 @@ initial: {{displacement: [0, 0, "0.001*x^2*(3-x)/2"]}}
 """, "method: bdf2, step: 1 ms, end: 1 ms")
             energies.append(h["elastic_energy"][0])
         exact = 3 * 1e7 * np.pi / 4 * 0.01**4 * 0.001**2 / 2
-        self.assertLess(abs(energies[1] / exact - 1), 0.02)
-        self.assertLess(abs(energies[1] / exact - 1), 0.5 * abs(energies[0] / exact - 1))
+        np.testing.assert_allclose(energies, exact, rtol=0.02)  # the axis stretches a little, too
 
     def test_damping(self):
         # Vibrations along a rod: the first mode of a clamped bar, with the damping ratio damping w / 2.
