@@ -49,7 +49,7 @@ class CollisionSurface {
     std::int32_t body = 0;
     double area = 0.0;      ///< a third of that of its triangles, all of that of its segment [m^2]
     bool is_loose = false;  ///< of segments only
-    bool is_flat = false;   ///< between two triangles of one rigid part in one plane, which it is inside of for ever
+    bool is_flat = false;   ///< inside a plane face of a rigid part
   };
   struct Triangle {
     std::array<std::int32_t, 3> vertices{};  ///< the one of the least key first, in the order given

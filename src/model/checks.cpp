@@ -53,23 +53,31 @@ void require_factorization(const Config& config, bool is_plain) {
       "use 'solver: {linear: cholesky}'");
 }
 
-void require_support(const Config& config, const NodeLayout& layout, const Components& components,
-                     std::span<const PetscInt> held, Selections& selections) {
-  // Whatever else may hold a part is not known here.
+std::optional<Diagnostic> check_support(const Config& config, const NodeLayout& layout, const Components& components,
+                                        std::span<const PetscInt> held, Selections& selections) {
+  // Joints, tendons and rigid bodies may hold a part, too.
   const bool is_plain = config.joints.empty() && config.tendons.empty() && config.rigid_bodies.empty();
-  if (analysis_of(config) == Analysis::dynamic || !is_plain || !may_fall(config)) return;
-  std::vector<char> is_held(static_cast<std::size_t>(components.count), 0);
-  const auto of = [&](PetscInt n) { return static_cast<std::size_t>(components.of_node[n]); };
-  for (const PetscInt n : held) is_held[of(n)] = 1;
-  for (char& flag : is_held) flag = any_rank(layout.comm, flag != 0) ? 1 : 0;
+  if (!is_plain || !may_fall(config)) return std::nullopt;
+  std::vector<double> is_held(static_cast<std::size_t>(components.count), 0.0);
+  const auto component = [&](PetscInt n) { return static_cast<std::size_t>(components.of_node[n]); };
+  for (const PetscInt n : held) is_held[component(n)] = 1.0;
+  sum_in_place(layout.comm, is_held);
+  const auto num_free = std::ranges::count(is_held, 0.0);
+  if (num_free == 0) return std::nullopt;
+  if (analysis_of(config) == Analysis::dynamic) {
+    return note(fmt::format(
+        "nothing holds {}: the loads move {} away; add constraints, springs or contact to hold a body",
+        components.count == 1 ? "the body" : fmt::format("{} of the mesh's {} parts", num_free, components.count),
+        num_free == 1 ? "it" : "them"));
+  }
   for (const LoadConfig& load : config.loads) {
     const VectorExpression* vector = vector_of(load);
-    const auto is_nothing = [](const Expression& component) { return component.is_zero(); };
+    const auto is_nothing = [](const Expression& part) { return part.is_zero(); };
     if (vector == nullptr || std::ranges::all_of(*vector, is_nothing)) continue;
     std::vector<PetscInt> nodes(static_cast<std::size_t>(layout.num_owned_nodes));
     std::iota(nodes.begin(), nodes.end(), 0);
     if (load.part.kind != Selection::Kind::everything) nodes = selections.nodes(load.part);
-    const auto pushed = std::ranges::find_if(nodes, [&](PetscInt n) { return is_held[of(n)] == 0; });
+    const auto pushed = std::ranges::find_if(nodes, [&](PetscInt n) { return is_held[component(n)] == 0.0; });
     std::vector<Vector3<double>> place;
     if (pushed != nodes.end()) place.push_back(layout.position(*pushed));
     const auto places = gathered(layout.comm, place);
@@ -80,9 +88,9 @@ void require_support(const Config& config, const NodeLayout& layout, const Compo
                                   "node with what is held: the loads move it, and without inertia it has no "
                                   "equilibrium; add constraints, springs or contact, or use a method with inertia",
                                   x, y, z));
-    break;
+    selections.throw_if_errors();
   }
-  selections.throw_if_errors();
+  return std::nullopt;
 }
 
 void require_undeformed(const Config& config, Vec q) {

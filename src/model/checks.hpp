@@ -11,6 +11,7 @@
 #include "model/selections.hpp"
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,10 +41,10 @@ bool is_incompressible(MPI_Comm comm, VolumeOfPoints found, const Config& config
 /// nodes, and no pairs of surfaces couple them.
 void require_factorization(const Config& config, bool is_plain);
 
-/// Throws InputError if there is no inertia and loads push a component in which none of these nodes is, which are held.
-/// Collective.
-void require_support(const Config& config, const NodeLayout& layout, const Components& components,
-                     std::span<const PetscInt> held, Selections& selections);
+/// A note if nothing holds some component and loads move it away; without inertia throws InputError at the load.
+/// `held`: nodes with constraints; `components`: those that constraints connect are joined. Collective.
+std::optional<Diagnostic> check_support(const Config& config, const NodeLayout& layout, const Components& components,
+                                        std::span<const PetscInt> held, Selections& selections);
 
 /// Throws InputError at a constraint if incompressible bodies do not start undeformed. Collective.
 void require_undeformed(const Config& config, Vec q);

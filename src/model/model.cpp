@@ -269,13 +269,8 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
 
 void Model::find_components(const Config& config, Selections& selections) {
   components_ = connected_components(layout_);
-  std::vector<char> is_held(static_cast<std::size_t>(components_.count), 0);
   std::vector<std::vector<PetscInt>> links;
   std::vector<PetscInt> held;  // nodes
-  const auto hold = [&](const std::vector<PetscInt>& nodes) {
-    held.insert(held.end(), nodes.begin(), nodes.end());
-    for (const PetscInt n : nodes) is_held[static_cast<std::size_t>(components_.of_node[n])] = 1;
-  };
   for (const ConstraintConfig& c : config.constraints) {
     std::vector<PetscInt> nodes;
     const auto add = [&](const Selection& part) {
@@ -288,21 +283,10 @@ void Model::find_components(const Config& config, Selections& selections) {
     if (periodic != nullptr) add(periodic->partner);
     const auto* tied = std::get_if<ConstraintConfig::Tied>(&c.kind);
     if (tied != nullptr) add(tied->partner);
-    hold(nodes);
+    held.insert(held.end(), nodes.begin(), nodes.end());
     const bool is_rigid = std::holds_alternative<ConstraintConfig::Rigid>(c.kind);
     if (equation != nullptr || periodic != nullptr || tied != nullptr || is_rigid) {
       links.push_back(std::move(nodes));
-    }
-  }
-  const bool is_known = config.joints.empty() && config.tendons.empty() && config.rigid_bodies.empty();
-  if (analysis_of(config) == Analysis::dynamic && is_known && may_fall(config)) {
-    int num_free = 0;
-    for (const char flag : is_held) num_free += any_rank(layout_.comm, flag != 0) ? 0 : 1;
-    if (num_free > 0) {
-      diagnostics_.push_back(note(fmt::format(
-          "nothing holds {}: the loads move {} away; add constraints, springs or contact to hold a body",
-          components_.count == 1 ? "the body" : fmt::format("{} of the mesh's {} parts", num_free, components_.count),
-          num_free == 1 ? "it" : "them")));
     }
   }
   for (const BodyConfig& body : config.bodies) {
@@ -314,7 +298,7 @@ void Model::find_components(const Config& config, Selections& selections) {
     links.push_back(std::move(nodes));
   }
   for (const auto& nodes : links) join(components_, layout_, nodes);
-  require_support(config, layout_, components_, held, selections);
+  if (const auto found = check_support(config, layout_, components_, held, selections)) include({*found});
 }
 
 void Model::check_overlap(const Config& config) {

@@ -215,10 +215,16 @@ void check_gravity(const Config& config, Warnings& warnings) {
   }
 }
 
-/// Whether bodies rub on one another or on obstacles.
+/// Whether it is so of the drag of any contact.
+template <class IsSo>
+bool any_drag(const ContactConfig& contact, const IsSo& is_so) {
+  const auto is_so_of = [&](const auto& of) { return is_so(of.drag); };
+  return is_so_of(contact) || std::ranges::any_of(contact.obstacles, is_so_of) ||
+         std::ranges::any_of(contact.pairs.list, is_so_of);
+}
+
 bool has_friction(const ContactConfig& contact) {
-  const auto rubs = [&](const auto& of) { return contact.friction(of.drag).acts(); };
-  return rubs(contact) || std::ranges::any_of(contact.obstacles, rubs) || std::ranges::any_of(contact.pairs.list, rubs);
+  return any_drag(contact, [&](const ContactDragConfig& drag) { return contact.friction(drag).acts(); });
 }
 
 void check_rods(const Config& config, Warnings& warnings) {
@@ -303,11 +309,9 @@ bool may_fall(const Config& config) {
 }
 
 bool has_drag(const ContactConfig& contact) {
-  const auto resists = [&](const auto& of) {
-    return contact.friction(of.drag).acts() || contact.damping(of.drag).acts();
-  };
-  return resists(contact) || std::ranges::any_of(contact.obstacles, resists) ||
-         std::ranges::any_of(contact.pairs.list, resists);
+  return any_drag(contact, [&](const ContactDragConfig& drag) {
+    return contact.friction(drag).acts() || contact.damping(drag).acts();
+  });
 }
 
 std::vector<Diagnostic> notes_of_idle_keys(const Config& config) {

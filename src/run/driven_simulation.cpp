@@ -165,6 +165,10 @@ void DrivenSimulation::advance(const std::function<void(const std::string&)>& wa
   throw SolveError(simulation_->in_words(outcome) + ". The simulation stays at this state");
 }
 
+bool DrivenSimulation::has_other_steps(const Config& wanted) const {
+  return wanted.time.step != given_.time.step || wanted.time.min_step != given_.time.min_step;
+}
+
 std::vector<std::size_t> DrivenSimulation::changed_formulas(Config& wanted, const std::vector<Override>& changes,
                                                             const Location& where) {
   const auto refuse = [&](const std::string& why) {
@@ -175,12 +179,15 @@ std::vector<std::size_t> DrivenSimulation::changed_formulas(Config& wanted, cons
   };
   const auto then = replaceable_formulas(wanted), now = replaceable_formulas(given_);
   if (then.size() != now.size()) throw refuse("");
-  // Defaults of other keys follow from the step.
-  const auto without_steps = [&](std::vector<Override> all) {
-    std::erase_if(all, [](const Override& one) { return one.path == "time.step" || one.path == "time.min_step"; });
-    return read_changed(text_, file_, all);
-  };
-  Config rest = without_steps(changes), before = without_steps(changes_);
+  Config rest = wanted, before = given_;
+  if (has_other_steps(wanted)) {  // from which defaults of other keys follow
+    const auto without_steps = [&](std::vector<Override> all) {
+      std::erase_if(all, [](const Override& one) { return one.path == "time.step" || one.path == "time.min_step"; });
+      return read_changed(text_, file_, all);
+    };
+    rest = without_steps(changes);
+    before = without_steps(changes_);
+  }
   const auto of_rest = replaceable_formulas(rest);
   std::vector<std::size_t> changed;
   for (std::size_t k = 0; k < now.size(); ++k) {
@@ -214,7 +221,7 @@ void DrivenSimulation::set(const std::vector<Override>& changes) {
   Config wanted = read_changed(text_, file_, all);
   const auto changed = changed_formulas(wanted, all, {"set " + keys_of(changes), 0, 0});
   const auto by = replaceable_formulas(wanted), now = replaceable_formulas(given_);
-  bool has_new_plan = wanted.time.step != given_.time.step || wanted.time.min_step != given_.time.min_step;
+  bool has_new_plan = has_other_steps(wanted);
   for (const std::size_t k : changed) {
     has_new_plan = has_new_plan || by[k].formula->depends_on_time() || now[k].formula->depends_on_time();
   }

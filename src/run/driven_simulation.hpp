@@ -118,6 +118,7 @@ class DrivenSimulation {
   void keep(Archive& archive);
   void record_step();
   void sum_forces();
+  bool has_other_steps(const Config& wanted) const;
   /// The numbers of the formulas that differ in another input. Throws InputError if anything else does.
   std::vector<std::size_t> changed_formulas(Config& wanted, const std::vector<Override>& changes,
                                             const Location& where);

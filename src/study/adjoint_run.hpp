@@ -50,7 +50,7 @@ class AdjointRun {
   Vec by_velocity() const { return by_velocity_.get(); }
   /// dJ by the places of the owned nodes in the mesh, as far as places of probes are what J depends on.
   Vec by_position() const { return by_position_.get(); }
-  std::int64_t num_steps() const { return simulation_->record().step; }
+  std::int64_t num_steps() const { return std::ssize(times_) - 1; }
   /// Steps that were computed twice.
   std::int64_t num_repeated() const { return num_repeated_; }
 

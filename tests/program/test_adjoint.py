@@ -230,6 +230,11 @@ loads: [{gravity: [0, 0, -3]}]"""
         s = pliant.sensitivity(file, of=["corner_z"], to=["bodies.0.density", YOUNG], output=self.directory / "tangent")
         for n, key in enumerate(("bodies.0.density", YOUNG)):
             self.assertAlmostEqual(gradient.numbers[key] / (weights["corner_z"] @ s.jacobians["corner_z"][:, n]), 1, delta=1e-7)
+        # Steps of a run that was resumed with others are not those of its input.
+        resumed = pliant.run(file, overrides={"time.end": float(run.history.time[-1]) / 2, "checkpoint": {}}, output=self.directory / "resumed")
+        resumed = pliant.resume(resumed.directory, {"time.end": float(run.history.time[-1]), "time.step": float(run.history["dt"][-1]) / 2})
+        with self.assertRaisesRegex(pliant.PliantError, "resumed with other steps"):
+            resumed.gradient({"corner_z": np.ones(len(resumed.history.time))}, to=["bodies.0.density"])
         rigid = {"loads": [{"gravity": [0, 0, -1]}], "constraints": [{"surface": "left", "displacement": [0, 0, 0]}], "initial.velocity": [0, 0.3, 0]}
         shape = pliant.gradient(file, {"time": run.history.time, **weights}, fields=["mesh.nodes", "bodies.0.density"],
                                 overrides=rigid, output=self.directory / "shape")

@@ -183,6 +183,22 @@ Mesh.MeshSizeMax = 0.7;
                 self.assertGreater(h["pz"][-1] - 1000 * 0.04 * 0.04 * 0.005 * 2, 0.9 * 2 * block, name)
                 self.assertEqual(len(h["time"]), 7, f"{name}, {method}: no step fails")
 
+    def test_load_steps_move_rigid_parts_across_gaps(self):
+        # Load steps scale what is constant in time.
+        text = two_blocks(young="1e6", time="method: static, load_steps: 2").replace(f"{-G}", "0")
+        rigid = text.replace("volume: block, density: 1000, elasticity" + bodies("1e6").splitlines()[1].split("elasticity")[1].rstrip("}") + "}",
+                             "volume: block, density: 1000, rigid: true")
+        self.assertIn("rigid: true", rigid)
+        forces = []
+        for rotation in ("fixed", "free"):
+            h = self.run_input(self.write("press.yaml", rigid.replace("constraints: [", "constraints: [{volume: block, rigid: {translation: "
+                                          f"[0, 0, -0.003], rotation: {rotation}}}}}, ")), output="press")
+            self.assertEqual(len(h["time"]), 3, "no step fails")
+            self.assertEqual(places_inside(self.directory / "press"), 0)
+            forces.append(h["floor_fz"][-1])
+        self.assertGreater(forces[0], 100)
+        np.testing.assert_allclose(forces[1], forces[0], rtol=0.05)  # it turns a little on the mesh below
+
     def test_the_same_bits_whether_interrupted_or_not(self):
         text = two_blocks(velocity="[0, 0, \"z > 0.011 ? -0.5 : 0\"]", time="method: bdf2, step: 1 ms, end: 0.02")
         self.run_input(self.write("whole.yaml", text + "checkpoint: {every: 8}\n"), output="whole")

@@ -38,6 +38,7 @@ constraints:
   - {{curve: t0, displacement: [free, 0, free]}}
   - {{curve: s1, displacement: [{stretch - 1}, free, free], name: right}}
   - {{where: "x > -1", displacement: [free, free, 0]}}
+solver: {{newton: {{relative: 1e-12}}}}
 """
         columns = ", ".join(f"{{name: {take}, of: membrane_force_xx, in: sheet, take: {take}}}" for take in ("min", "max", "mean", "integral"))
         columns += ", {name: first, of: principal_membrane_force_1, take: max}, {name: second, of: principal_membrane_force_2, take: max}"

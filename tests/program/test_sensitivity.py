@@ -133,6 +133,36 @@ solver: {newton: {relative: 1.0e-12}}
                 self.compare(file, ("corner_x", "px"), {"contact.friction": 0.3}, f"contact.friction_update={update}",
                              within=1e-4, part=1e-5)
 
+    def test_frozen_friction_beyond_its_bound(self):
+        """A rod falls onto a block. From the first impact on the friction frozen at a step's start exceeds what the pressure allows."""
+        write_box(self.directory / "block.msh", (4, 1, 1), (0.4, 0.1, 0.1))
+        file = self.write("rod.yaml", """mesh: {file: block.msh}
+bodies: [{volume: body, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}}]
+rods:
+  - {name: wire, points: [[-0.1, 0.05, 0.115], [0.5, 0.06, 0.115]], segments: 12, radius: 0.005, density: 3000, youngs_modulus: 1e6,
+     poissons_ratio: 0.3, damping: 0.002}
+constraints: [{surface: left, displacement: [0, 0, 0]}]
+loads: [{gravity: [0, 0, -9.81]}]
+contact: {law: barrier, width: 0.004, friction: 0.4, friction_update: frozen, pairs: [{name: pr, surface: wire, with: body}]}
+time: {method: backward-euler, step: 0.004, end: 0.056}
+solver: {newton: {relative: 1.0e-12}}
+""")
+        self.compare(file, ("pr_fx",), {"contact.friction": 0.4, "bodies.0.density": 1000}, within=1e-3, part=1e-4)
+
+    def test_components_of_a_direction(self):
+        write_box(self.directory / "block.msh", (2, 1, 1), (2, 1, 1))
+        file = self.write("slope.yaml", """mesh: {file: block.msh}
+bodies: [{volume: body, density: 100, elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}}]
+loads: [{gravity: [0, 0, -9.81]}]
+initial: {displacement: [0, 0, 0.02]}
+contact: {law: barrier, obstacles: [{name: floor, shape: plane, normal: [0.1, 0, 1]}]}
+time: {method: bdf2, step: 0.005, end: 0.1}
+solver: {newton: {relative: 1.0e-12}}
+""")
+        self.compare(file, ("px",), {"contact.obstacles.0.normal.0": 0.1}, within=1e-4, part=1e-4)
+        with open(self.directory / "tangent/numbers.csv", encoding="utf-8") as stream:
+            self.assertEqual({len(row) for row in csv.reader(stream)}, {3})
+
     def test_mechanism_with_tendon_on_any_number_of_ranks(self):
         """Rigid parts, joints, a motor, a tendon with friction and a spring; the same on all ranks."""
         write_box(self.directory / "block.msh", (4, 1, 1), (2, 1, 1))

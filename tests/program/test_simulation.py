@@ -373,6 +373,18 @@ probes""")
             self.assertAlmostEqual(sim.time, 0.025)
             self.assertAlmostEqual(sim.dt, 0.005)
 
+    def test_time_step_with_adaptive_steps(self):
+        # Defaults of other keys follow from the step.
+        adaptive = BDF2.replace("end: 60 ms", "end: 60 ms, adaptive: {relative: 1e-3}")
+        self.assertIn("adaptive", adaptive)
+        with pliant.Simulation(FALLING + adaptive) as sim:
+            sim.advance()
+            sim.set("time.step", "2 ms")
+            sim.set("loads.0.gravity.2", -5)
+            sim.advance()
+            with self.assertRaisesRegex(pliant.PliantError, "this cannot change while a simulation runs"):
+                sim.set("bodies.0.density", 7)
+
     def test_entries_of_lists_by_name(self):
         tendon = "tendons: [{name: pull, points: [[0, 0.1, 0.15], [0.5, 0.1, 0.15], [1, 0.1, 0.15]], tension: 0}]\n"
         with pliant.Simulation(BODY + tendon + BDF2) as sim:

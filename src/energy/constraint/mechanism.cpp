@@ -185,7 +185,7 @@ void Mechanism::begin_stage(const StagePoint& stage, Vec q) {
     evaluate(motions(reference_), h, G_ref_);
   }
   choose_columns();
-  if (stage.accepted == nullptr || !is_driven()) return;
+  if (stage.accepted == nullptr || is_ideal()) return;
   const Vector accepted = nearest_of_parts(stage.accepted);
   for (const auto& part : parts_) part->set_prescribed_fraction(0.0);
   Matrix G;

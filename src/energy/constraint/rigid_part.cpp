@@ -130,7 +130,7 @@ void RigidPart::begin_stage(const StagePoint& stage, Vec q) {
   const GivenKinematics given = given_at(stage);
   for (int i = 0; i < 3; ++i) end_translation_[i] = motion_.gives(i) ? given(i, motion_.rigid->centre).u : 0.0;
   given_translation_ = start_translation_ = end_translation_;
-  if (stage.accepted != nullptr && is_moved()) start_translation_ = nearest(stage.accepted).translation;
+  if (stage.accepted != nullptr && !is_ideal()) start_translation_ = nearest(stage.accepted).translation;
   shape_ = shape_of(stage);
   reference_ = nearest_rotation((*fit_)(*layout_, nodes_, q).gradient);
   at_ = {};

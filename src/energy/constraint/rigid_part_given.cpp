@@ -30,7 +30,7 @@ void RigidPart::start_stage(const StagePoint& stage) const {
 }
 
 void RigidPart::set_prescribed_fraction(double fraction) {
-  if (!is_moved()) return;
+  if (is_ideal()) return;
   given_translation_ = fraction * end_translation_ + (1.0 - fraction) * start_translation_;
   at_ = {};
 }

@@ -61,7 +61,7 @@ std::vector<double> EnergyAccounts::dissipated(Vec z) const {
 double EnergyAccounts::supplied(const Instant& from, const Instant& to, Vec q, Walls walls) {
   const auto is_concerned = [walls](const EnergyTerm* term) {
     const TermDeclaration is = term->declaration();
-    return is.depends_on_time && (walls == Walls::among_all || is.is_wall == (walls == Walls::alone));
+    return is.depends_on_time && is.is_wall == (walls == Walls::alone);
   };
   if (std::ranges::none_of(terms_.all(), is_concerned)) return 0.0;
   const auto at = terms_.at_without_stage(q);

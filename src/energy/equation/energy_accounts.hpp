@@ -32,7 +32,7 @@ class EnergyAccounts {
   /// EnergyTerm::dissipated of each term; z as above [J].
   std::vector<double> dissipated(Vec z) const;
   /// Which terms count: walls (TermDeclaration::is_wall) may have infinite energies where they stand later.
-  enum class Walls { left_out, alone, among_all };
+  enum class Walls { left_out, alone };
   /// Change of the energies at fixed q from one instant to another, which time alone causes [J].
   double supplied(const Instant& from, const Instant& to, Vec q, Walls walls);
   /// Calls `visit` for the stress that each term has in each of its local cells, ghosts included; z as above, v =

@@ -153,9 +153,9 @@ def gradient(source: Path, weights: "Mapping[str, Any]", *, to: Sequence[str] = 
     arguments += ["--kept-steps", str(kept_steps)] * (kept_steps is not None)
     done = completed(["sensitivity", os.fspath(source), "--adjoint", file, *arguments, *settings_of(overrides, output)], ranks,
                      petsc_options, timeout)
-    found = re.search(r"over (\d+) steps", done.stdout)
-    if _steps is not None and found is not None and int(found[1]) != _steps:
-        raise PliantError(f"{source}: it takes {found[1]} steps, and the history has {_steps}: a run that was resumed with other steps "
+    steps = int(re.search(r"over (\d+) steps", done.stdout)[1])
+    if _steps not in (None, steps):
+        raise PliantError(f"{source}: it takes {steps} steps, and the history has {_steps}: a run that was resumed with other steps "
                           "cannot be computed again; make one run of it")
     numbers = []
     if to:
