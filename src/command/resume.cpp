@@ -31,17 +31,30 @@ struct Changeable {
   void (*take)(Config& to, const Config& from);
 };
 
+void take_end(Config& to, const Config& from) {
+  if (analysis_of(to) == Analysis::static_equilibrium && to.time.end != from.time.end) {
+    throw InputError({"time.end", 0, 0},
+                     "in a static analysis this is the time at which formulas of loads are evaluated, and cannot "
+                     "change when a run is resumed; start a new run with `pliant run`");
+  }
+  to.time.end = from.time.end;
+}
+
 void take_path(Config& to, const Config& from) {
   if (!to.time.path && from.time.path) {
     throw InputError(
         from.time.path->where,
         "the run that is resumed follows no path, and cannot begin one; start a new run with `pliant run`");
   }
+  if (to.time.path && !from.time.path) {
+    throw InputError({"time.path", 0, 0},
+                     "the run that is resumed follows a path, and cannot leave it; start a new run with `pliant run`");
+  }
   to.time.path = from.time.path;
 }
 
 constexpr std::array<Changeable, 8> changeable{
-    {{"time.end", [](Config& to, const Config& from) { to.time.end = from.time.end; }},
+    {{"time.end", take_end},
      {"time.step", [](Config& to, const Config& from) { to.time.step = from.time.step; }},
      {"time.min_step", [](Config& to, const Config& from) { to.time.min_step = from.time.min_step; }},
      {"time.path", take_path},
@@ -196,6 +209,15 @@ ExitCode resume_command(MPI_Comm comm, const std::string& place, const std::vect
   std::vector<Override> changes{{"output.directory", directory.string()}};
   changes.insert(changes.end(), overrides.begin(), overrides.end());
   const Config config = read_input(from.info.input, from.file.string(), changes);
+  const Config earlier = read_input(from.info.input, from.file.string(), {});
+  changed(earlier, config);  // refuses what cannot change
+  for (const JointConfig& joint : config.joints) {
+    if (!joint.limits || joint.limit_stiffness || config.time.step == earlier.time.step) continue;
+    console.warn(
+        fmt::format("the stiffness of the stops of joint '{}' follows from 'time.step', and changes with it; "
+                    "'limit_stiffness' fixes it",
+                    joint.name));
+  }
   return go_on(comm, config, console, from);
 }
 

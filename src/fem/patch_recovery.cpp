@@ -3,6 +3,7 @@
 #include "base/vector3.hpp"
 #include "fem/cell_integration.hpp"
 #include "fem/element.hpp"
+#include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
 
 #include <algorithm>
@@ -77,6 +78,33 @@ PatchRecovery::PatchRecovery(const NodeLayout& layout, std::span<const int> body
     patch.num_nodes = nodes_.size() - patch.first_node;
     fit(patch);
     patches_.push_back(patch);
+  }
+  colour_bodies();
+}
+
+void PatchRecovery::colour_bodies() {
+  using Pair = std::array<int, 2>;
+  std::vector<Pair> mine;
+  int last = -1;
+  for (std::size_t p = 0; p < patches_.size(); ++p) {
+    last = std::max(last, patches_[p].body);
+    for (std::size_t q = p; q-- > 0 && nodes_[patches_[q].first_node] == nodes_[patches_[p].first_node];) {
+      mine.push_back({patches_[q].body, patches_[p].body});
+    }
+  }
+  std::ranges::sort(mine);
+  const auto rest = std::ranges::unique(mine);
+  mine.erase(rest.begin(), rest.end());
+  const std::vector<Pair> pairs = gathered(layout_.comm, mine);
+  const auto num_bodies = 1 + static_cast<int>(maximum(layout_.comm, static_cast<double>(last)));
+  for (int body = 0; body < num_bodies; ++body) {
+    std::vector<char> is_used(static_cast<std::size_t>(num_colours_) + 1, 0);
+    for (const auto& [a, b] : pairs) {
+      if (a == body && b < body) is_used[static_cast<std::size_t>(colour_of_body_[static_cast<std::size_t>(b)])] = 1;
+      if (b == body && a < body) is_used[static_cast<std::size_t>(colour_of_body_[static_cast<std::size_t>(a)])] = 1;
+    }
+    colour_of_body_.push_back(static_cast<int>(std::ranges::find(is_used, 0) - is_used.begin()));
+    num_colours_ = std::max(num_colours_, colour_of_body_.back() + 1);
   }
 }
 
@@ -180,20 +208,29 @@ PatchRecovery::AtNodes PatchRecovery::at_nodes(std::span<const double> values, i
                                                std::span<const char> is_taken) const {
   const auto width = static_cast<std::size_t>(components), all = width + 1;  // and how many values were added
   const auto num_nodes = static_cast<std::size_t>(layout_.num_local_nodes);
-  std::array<std::vector<double>, num_merits> sums;
-  for (auto& of_merit : sums) of_merit.assign(all * num_nodes, 0.0);
-  for (const Patch& patch : patches_) {
-    if (is_taken[static_cast<std::size_t>(patch.body)] != 0) evaluate(patch, values, width, sums);
-  }
   AtNodes result{std::vector<double>(width * num_nodes, 0.0), std::vector<char>(num_nodes, 0)};
-  for (auto& of_merit : sums) {
-    sum_over_ranks(layout_, of_merit, all);
-    for (std::size_t n = 0; n < num_nodes; ++n) {
-      const double count = of_merit[all * n + width];
-      if (result.has_value[n] != 0 || count == 0.0) continue;
-      result.has_value[n] = 1;
-      for (std::size_t c = 0; c < width; ++c) result.values[width * n + c] = of_merit[all * n + c] / count;
+  std::vector<double> num_bodies(num_nodes, 0.0);
+  for (int colour = 0; colour < num_colours_; ++colour) {
+    std::array<std::vector<double>, num_merits> sums;
+    for (auto& of_merit : sums) of_merit.assign(all * num_nodes, 0.0);
+    for (const Patch& patch : patches_) {
+      const auto body = static_cast<std::size_t>(patch.body);
+      if (is_taken[body] != 0 && colour_of_body_[body] == colour) evaluate(patch, values, width, sums);
     }
+    std::vector<char> is_found(num_nodes, 0);  // by a better merit
+    for (auto& of_merit : sums) {
+      sum_over_ranks(layout_, of_merit, all);
+      for (std::size_t n = 0; n < num_nodes; ++n) {
+        const double count = of_merit[all * n + width];
+        if (is_found[n] != 0 || count == 0.0) continue;
+        is_found[n] = result.has_value[n] = 1;
+        num_bodies[n] += 1.0;
+        for (std::size_t c = 0; c < width; ++c) result.values[width * n + c] += of_merit[all * n + c] / count;
+      }
+    }
+  }
+  for (std::size_t n = 0; n < num_nodes; ++n) {
+    for (std::size_t c = 0; c < width && num_bodies[n] > 1.0; ++c) result.values[width * n + c] /= num_bodies[n];
   }
   return result;
 }

@@ -28,7 +28,7 @@ class PatchRecovery {
     double trusted_gain = infinity;
   };
 
-  /// `body_of_cell`: per local cell; cells of body -1 are left out. The layout must outlive the object. Not collective.
+  /// `body_of_cell`: per local cell; cells of body -1 are left out. The layout must outlive the object. Collective.
   PatchRecovery(const NodeLayout& layout, std::span<const int> body_of_cell, Samples samples);
 
   struct AtNodes {
@@ -57,6 +57,7 @@ class PatchRecovery {
   };
 
   std::vector<std::array<double, 3>> sample_positions(const Patch& patch) const;
+  void colour_bodies();
   void fit(Patch& patch);
   bool has_degree(const Patch& patch) const;
   void evaluate(const Patch& patch, std::span<const double> values, std::size_t width,
@@ -69,6 +70,8 @@ class PatchRecovery {
   std::vector<Patch> patches_;
   std::vector<PetscInt> cells_, nodes_;
   std::vector<double> inverses_;
+  std::vector<int> colour_of_body_;  // bodies that share a node have different ones
+  int num_colours_ = 0;
 };
 
 }  // namespace pliant

@@ -137,7 +137,11 @@ void check_held(const Config& config, const InputNode& root, Diagnostics& diagno
     return spring.stiffness > 0.0 &&
            std::ranges::find(spring.points, "ground", &BodyPoint::body) != spring.points.end();
   };
+  const auto is_anchored = [](const TendonConfig& tendon) {
+    return std::ranges::find(tendon.points, "ground", &BodyPoint::body) != tendon.points.end();
+  };
   if (std::ranges::any_of(config.loads, is_spring) || std::ranges::any_of(config.springs, pulls_to_ground)) return;
+  if (std::ranges::any_of(config.tendons, is_anchored)) return;
   const auto holds = [](const JointConfig& joint) {
     return std::ranges::find(joint.between, "ground") != joint.between.end();
   };
@@ -145,13 +149,18 @@ void check_held(const Config& config, const InputNode& root, Diagnostics& diagno
   if (std::ranges::any_of(config.joints, holds) || std::ranges::any_of(config.rods, is_clamped)) return;
   const InputNode* constraints = given(root, {"constraints"});
   const Location& where = config.time.method.where;
+  // Contact holds only once it acts, and pushes only.
+  const std::string cure =
+      config.contact ? "; contact does not count: a weak `spring` on a surface holds bodies until they touch" : "";
   if (constraints == nullptr || constraints->children.empty()) {
     diagnostics.add({root.where, {"constraints"}}, where,
-                    "a " + method + " analysis needs constraints; without them the bodies can move as a whole");
+                    "a " + method + " analysis needs constraints; without them the bodies can move as a whole" + cure);
     return;
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto is_free = [&](const InputNode& constraint) {
+      // These relate displacements to one another alone.
+      if (given(constraint, {"periodic_with"}) != nullptr || given(constraint, {"tied_to"}) != nullptr) return true;
       const InputNode* displacement = given(constraint, {"displacement"});
       if (displacement == nullptr) displacement = given(constraint, {"rigid", "translation"});
       return displacement != nullptr && displacement->children.size() == 3 &&
@@ -159,7 +168,7 @@ void check_held(const Config& config, const InputNode& root, Diagnostics& diagno
     };
     if (std::all_of(constraints->children.begin(), constraints->children.end(), is_free)) {
       diagnostics.add(where, "a " + method + " analysis needs a constraint in every direction; none holds " +
-                                 std::string(1, "xyz"[axis]));
+                                 std::string(1, "xyz"[axis]) + cure);
     }
   }
 }

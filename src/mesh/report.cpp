@@ -73,7 +73,8 @@ std::string describe(const MeshReport& report) {
   text += '\n';
   if (is_all_there_is) text += fmt::format("  extent     {}\n", extent_text(report.bounds));
   if (report.elements.tetrahedra > 0) {
-    text += fmt::format("  volume     {:.6g} m^3\n", report.volume);
+    text += fmt::format("  volume     {:.6g} m^3{}\n", report.volume,
+                        report.geometry_order == 2 ? " of the straight tetrahedra" : "");
     text += fmt::format("  edges      {:.3g} to {:.3g} m\n", report.min_edge, report.max_edge);
   }
   describe_groups(text, report.groups);

@@ -133,16 +133,25 @@ FacetList Selections::without(const FacetList& facets, std::initializer_list<Add
   return result;
 }
 
+const PhysicalGroup* Selections::find_group(int dimension, const std::string& name) const {
+  const auto find = [&](auto is_it) -> const PhysicalGroup* {
+    const auto found = std::ranges::find_if(
+        mesh_.groups, [&](const PhysicalGroup& group) { return group.dimension == dimension && is_it(group); });
+    return found != mesh_.groups.end() ? &*found : nullptr;
+  };
+  if (const auto* named = find([&](const PhysicalGroup& group) { return group.name == name; })) return named;
+  return find([&](const PhysicalGroup& group) { return std::to_string(group.tag) == name; });
+}
+
 const PhysicalGroup* Selections::group(const Selection& part) {
   const int d = dimension(part.kind);
+  if (const PhysicalGroup* found = find_group(d, part.name)) {
+    used_.push_back(found);
+    return found;
+  }
   std::vector<std::string> names;
   for (const auto& g : mesh_.groups) {
-    if (g.dimension != d) continue;
-    if (g.name == part.name || std::to_string(g.tag) == part.name) {
-      used_.push_back(&g);
-      return &g;
-    }
-    names.push_back(title(g));
+    if (g.dimension == d) names.push_back(title(g));
   }
   const std::string hint = did_you_mean(part.name, names);
   std::string known = names.empty() ? fmt::format("the mesh has no physical {}s", noun(d))
@@ -218,9 +227,7 @@ FacetList Selections::outer_facets(const Selection& part, const Location& where,
 }
 
 bool Selections::has_group(Selection::Kind kind, const std::string& name) const {
-  return std::ranges::any_of(mesh_.groups, [&](const PhysicalGroup& group) {
-    return group.dimension == dimension(kind) && (group.name == name || std::to_string(group.tag) == name);
-  });
+  return find_group(dimension(kind), name) != nullptr;
 }
 
 std::optional<Selection> Selections::volume_or_surface(const Located<std::string>& name) {

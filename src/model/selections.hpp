@@ -61,6 +61,8 @@ class Selections {
   std::vector<Diagnostic> unused_groups() const;
 
  private:
+  /// The group of this name, else the one with this tag; nullptr if there is none.
+  const PhysicalGroup* find_group(int dimension, const std::string& name) const;
   const PhysicalGroup* group(const Selection& part);
   bool is_added(const PhysicalGroup& group) const;
   /// The curve of a rod's group; nullptr if it is another's.

@@ -48,7 +48,9 @@ ArcAdvance::ArcAdvance(const Config& config, Model& model, const StateView& init
         return std::make_unique<PathSolver>(
             model.equation(), newton_options(config), linear_kind(config, model),
             [this](double load_factor, Vec q) { return states_.begin_stage(load_factor, q); });
-      })) {}
+      })) {
+  check(VecDuplicate(initial.q, settled_.out()));
+}
 
 StageReport ArcAdvance::prepare() {
   solver_->start(states_.last(), states_.load_factor());
@@ -58,6 +60,7 @@ StageReport ArcAdvance::prepare() {
       report.reason = "no equilibrium without loads was found, from which the path could start: " + report.reason;
       return report;
     }
+    solver_->place(settled_.get());
   }
   if (solver_->has_tangent()) return {};
   return solver_->aim(has_earlier_ ? states_.earlier() : nullptr, states_.earlier_load_factor());
@@ -132,6 +135,7 @@ StepAttempt ArcAdvance::attempt(const Step& step) {
 
 void ArcAdvance::accept(const StepAttempt& attempt) {
   states_.accept(attempt);
+  if (!has_earlier_) check(VecCopy(settled_.get(), states_.earlier()));
   has_earlier_ = true;
   doubtful_attempts_ = 0;
   length_ = attempt.time;

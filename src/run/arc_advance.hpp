@@ -43,6 +43,7 @@ class ArcAdvance final : public Advance {
 
   std::string description_;
   StaticStates states_;
+  Handle<Vec> settled_;  // the start of the path: the initial state need not be an equilibrium
   double max_load_, min_load_;
   bool keeps_tangent_;  // unknowns mean the same in every step
   std::unique_ptr<PathSolver> solver_;

@@ -143,7 +143,8 @@ std::optional<std::string> GuessSearch::try_prescribed_motion(Vec accepted, Vec 
   const Applied applied = apply_prescribed_motion(accepted, second_.get(), q);
   has_second_ = applied == Applied::all;
   if (has_second_) measure = objective_.measure(q);
-  if (!(measure < best)) {
+  const bool is_safer = has_second_ && std::isfinite(measure) && overshoots(second_.get(), q);
+  if (!(measure < best) && !is_safer) {
     check(VecSwap(q, second_.get()));
     measure = best;
   }
@@ -157,6 +158,16 @@ std::optional<std::string> GuessSearch::try_prescribed_motion(Vec accepted, Vec 
   }
   return "the prescribed displacement is too large for one step: a tetrahedron would invert, or an obstacle or "
          "another body is in the way";
+}
+
+// After a release or a jump of the loads the extrapolated state may lie beyond a
+// barrier, with less energy but farther from equilibrium than the state from which the step starts.
+bool GuessSearch::overshoots(Vec extrapolated, Vec start) {
+  if (!objective_.is_minimised()) return false;
+  objective_.gradient(start, r_.get());
+  const double residual = norm(r_.get());
+  objective_.gradient(extrapolated, r_.get());
+  return !(norm(r_.get()) <= residual);
 }
 
 void GuessSearch::prescribe(Vec x, Vec target, Vec motion, double fraction) {

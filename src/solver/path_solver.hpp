@@ -75,6 +75,8 @@ class PathSolver {
   StageReport land(double load_factor);
   /// The last step tried; valid if it has converged.
   const PathStep& found() const { return found_; }
+  /// q = the configuration of the point from which steps start.
+  void place(Vec q) { check(VecCopy(equation_.displacements(point_.xi.get()), q)); }
   /// q = the configuration at its end.
   void leave(Vec q) { equation_.leave(trial_.xi.get(), q); }
   /// After a failure: the equation is again what it was at the point from which the step started.

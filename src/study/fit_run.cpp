@@ -4,6 +4,7 @@
 #include "base/limits.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "input/analysis.hpp"
 #include "input/formats.hpp"
 #include "io/history_reader.hpp"
 #include "petsc/collective.hpp"
@@ -57,7 +58,8 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-FitTarget read_target(const FitTargetConfig& config, const std::string& folder, double end) {
+/// `is_static`: `time` is the load factor.
+FitTarget read_target(const FitTargetConfig& config, const std::string& folder, double end, bool is_static) {
   FitTarget target{config, {}, std::string(unit_of_column(config.column)), 1.0, {}, {}, {}};
   if (target.unit.empty()) target.unit = "1";
   const std::string file = (fs::path(folder) / config.data.value).string(), name = lower_case(config.column);
@@ -68,6 +70,12 @@ FitTarget read_target(const FitTargetConfig& config, const std::string& folder, 
   target.values = std::move(columns[1]);
   for (const double t : target.times) {
     if (t >= 0.0 && t <= end * (1.0 + 1e-12)) continue;
+    if (is_static) {
+      throw InputError(config.data.where,
+                       fmt::format("'{}' has a row at time = {:g}, but in a static run `time` is the load factor, from "
+                                   "0 to 1; leave the row out, or scale the loads",
+                                   config.data.value, t));
+    }
     throw InputError(
         config.data.where,
         fmt::format("'{}' has a row at t = {:g} s, but the run goes from 0 to {:g} s; leave the row out, or "
@@ -238,9 +246,10 @@ FittedRun fit_run(MPI_Comm comm, const FitConfig& config, const std::string& dir
   const VariedInput input(input_text(comm, file), file, {}, keys_of(config), config.file + ": parameters");
   FittedRun fit{config, input.numbers(), {}, {}, {}, 0, {}, {}};
   const std::vector<FreeParameter> parameters = read_parameters(config, input);
+  const bool is_static = analysis_of(input.given()) == Analysis::static_equilibrium;
   on_every_rank(comm, [&] {
     for (const FitTargetConfig& target : config.targets) {
-      fit.targets.push_back(read_target(target, folder, input.given().time.end));
+      fit.targets.push_back(read_target(target, folder, is_static ? 1.0 : input.given().time.end, is_static));
     }
   });
   FitRuns runs(comm, input, fit.targets, parameters, console);

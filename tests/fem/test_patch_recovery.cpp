@@ -89,6 +89,28 @@ TEST_P(Patches, KeepBodiesApart) {
   }
 }
 
+TEST_P(Patches, CountEachOfTwoBodiesOnceWhereTheyMeet) {
+  // A body of a few cells in a corner: its own patches are poorer than those of the other body.
+  std::vector<int> body_of_cell;
+  std::vector<double> values;
+  for (PetscInt cell = 0; cell < layout_.num_local_cells; ++cell) {
+    const Point X = position_in_cell(layout_, cell, {0.25, 0.25, 0.25});
+    const bool is_corner = X[0] + X[1] + X[2] < 0.6;
+    body_of_cell.push_back(is_corner ? 1 : 0);
+    values.push_back(is_corner ? 5.0 : 2.0);
+  }
+  const PatchRecovery recovery(layout_, body_of_cell, {{{0.25, 0.25, 0.25}}, 1, 1.0});
+  const auto of = [&](std::vector<char> is_taken) { return recovery.at_nodes(values, 1, is_taken); };
+  const auto first = of({1, 0}), second = of({0, 1}), both = of({1, 1});
+  double num_shared = 0.0;
+  for (PetscInt n = 0; n < layout_.num_local_nodes; ++n) {
+    const int bodies = (first.has_value[n] != 0 ? 1 : 0) + (second.has_value[n] != 0 ? 1 : 0);
+    num_shared += bodies == 2 ? 1.0 : 0.0;
+    EXPECT_NEAR(bodies * both.values[n], first.values[n] + second.values[n], 1e-11);
+  }
+  EXPECT_GT(maximum(comm, num_shared), 0.0);
+}
+
 TEST_P(Patches, AreTheSameOnAnyRanks) {
   const test::Body alone(MPI_COMM_SELF, file_, GetParam().order);
   const PatchRecovery::Samples samples{simplex_rule<3>(2).points, 2};

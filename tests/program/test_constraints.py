@@ -89,6 +89,7 @@ class Constraints(ProgramTest):
         self.assertAlmostEqual(force[5] / slope, 1, delta=1e-4)
         self.assertLess(np.abs(history["top_fz"]).max(), 1e-6 * np.abs(force).max())
         self.assertLess(np.abs(history["energy_balance_error"]).max(), 1e-9 * energy[-1])
+        self.assertIn("none holds x", self.call("run", self.write("free.yaml", (self.directory / "in.yaml").read_text().replace(f"  - {corner}\n", ""))).stderr)
         again = self.solve("cube.msh", cell, more=time, ranks=3)
         for column in ("elastic_energy", "right_fy", "support_work"):
             np.testing.assert_allclose(again[column], history[column], rtol=1e-8, atol=0)

@@ -8,7 +8,7 @@ import sys
 import unittest
 
 from mistakes import MistakesTest
-from program import LONG, finish, start
+from program import LONG, ProgramTest, finish, start, write_box
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "mesh"))
 
@@ -114,6 +114,20 @@ class OddMeshes(MistakesTest):
                 done = result.result()
                 self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
                 self.assertIn(words, done.stdout + done.stderr)
+
+
+class NamesOfGroups(ProgramTest):
+    def test_a_name_goes_before_a_tag(self):
+        # `right` has the tag 2; now `left` is called 2.
+        text = write_box(self.directory / "named.msh", (2, 1, 1)).read_text()
+        (self.directory / "numbered.msh").write_text(text.replace('"left"', '"2"').replace('"right"', '"end"'))
+        body = "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0.3}}]\nprobes: [{name: p, point: [1, 1, 1]}]\n"
+        rows = []
+        for mesh, clamp in (("named", "left"), ("numbered", '"2"')):
+            self.write(f"{mesh}.yaml", f"mesh: {{file: {mesh}.msh}}\n{body}constraints: [{{surface: {clamp}, displacement: [0, 0, 0]}}]\n"
+                                       "loads: [{gravity: [0.01, 0, 0]}]\ntime: {method: static}\n")
+            rows.append(self.run_input(f"{mesh}.yaml")["p_ux"][-1])
+        self.assertEqual(*rows)
 
 
 class KeptMeshes(MistakesTest):

@@ -163,6 +163,18 @@ class Paths(ProgramTest):
         self.pliant("resume", "part", "--set", "time.path.max_load=2.1", "--set", "checkpoint.every=1")
         self.assertEqual(read_history(self.directory / "part")["load_factor"][-1], 2.1)
 
+    def test_a_start_that_is_no_equilibrium(self):
+        # A body that a spring carries off before there are loads: from 0.3 m, the loads push it back by 0.1 m.
+        body = '''
+rigid_bodies: [{name: car, mass: 1, inertia: [1, 1, 1], center: [0, 0, 0]}]
+joints: [{name: rail, type: slider, between: [ground, car], point: [0, 0, 0], axis: [0, 1, 0], spring: {stiffness: 100, rest: 0.3}}]
+loads: [{force: [0, -10, 0], volume: car}]
+'''
+        h, passed = self.follow(body + path(max_load=1, max_steps=20))
+        np.testing.assert_allclose(h["rail_travel"][1:], 0.3 - 0.1 * h["load_factor"][1:], rtol=1e-7)
+        self.assertGreater(np.diff(h["load_factor"]).min(), 0)
+        self.assertEqual((h["load_factor"][-1], len(passed)), (1.0, 0))
+
     # What a load factor scales is the same on a path as in load steps: where both lead to one equilibrium, it is the same.
     def test_a_path_ends_where_load_steps_do(self):
         write_box(self.directory / "box.msh", (3, 2, 2), (0.3, 0.2, 0.2))

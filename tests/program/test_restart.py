@@ -234,6 +234,27 @@ class Continuation(RestartTest):
         np.testing.assert_allclose(history["dt"][-10:], 0.002)
         self.assert_frames_are_the_rows("part")
 
+    def test_what_a_static_run_depends_on(self):
+        # Its end is the time of its loads, and load factors and lengths of paths do not mix.
+        text = BODY.replace(BODY[BODY.index("    viscosity"):BODY.index("constraints")], "").replace(", \"0.02*sin(20*t)\"]", ", 0]")
+        text = text.replace("method: bdf2, step: 5 ms, end: 0.1", "method: static, load_steps: 4, end: 3")
+        steps = self.write("steps.yaml", text.replace("-9.81", '"-3*t"'))
+        self.run_input(steps, output="steps")
+        rows = (self.out("steps") / "history.csv").read_bytes()
+        words = "a static analysis this is the time at which formulas of loads are evaluated"
+        self.assertIn(words, self.refused("resume", "steps", "--set", "time.end=6"))
+        self.assertIn(words, self.refused("run", steps, "--output", "steps", "--continue", "--set", "time.end=6"))
+        self.assertIn("cannot begin one", self.refused("resume", "steps", "--set", "time.path.max_load=2"))
+        path = self.write("path.yaml", text.replace("end: 3", "path: {max_load: 1, max_steps: 2}").replace("0, 0, -9.81", "1, 0, 0"))
+        self.run_input(path, output="path")
+        self.assertIn("cannot leave it", self.refused("resume", "path", "--set", "time.path=null"))
+        self.assertEqual((self.out("steps") / "history.csv").read_bytes(), rows)
+
+    def refused(self, *arguments):
+        done = self.call(*arguments)
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        return done.stderr
+
     def test_elsewhere(self):
         """Results may go to another directory; the place from which the program is called does not matter."""
         self.run_input(self.input, output="whole")

@@ -291,6 +291,17 @@ class Fits(Motion):
         self.assertEqual(done.returncode, status, done.stdout + done.stderr)
         return done
 
+    def test_a_static_run_is_measured_over_its_load_factor(self):
+        write_box(self.directory / "finger.msh", (4, 1, 1), (0.1, 0.02, 0.02))
+        text = FINGER.replace("method: dirk22, step: 10 ms, end: 0.3 s", "method: static, load_steps: 4")
+        h = self.run_input(self.write("bent.yaml", text))
+        self.write("tip.csv", "time,tip_z [mm]\n" + "".join(f"{t!r},{1e3 * z!r}\n" for t, z in zip(h["time"].tolist(), h["tip_z"].tolist())))
+        self.write("guess.yaml", text.replace("0.3 MPa", "0.8 MPa"))
+        self.fit(FIT.replace(", bodies.0.viscosity.shear: [0, 2000]", ""))
+        self.assertAlmostEqual(float(self.fitted()["bodies.0.elasticity.youngs_modulus"]["value"]) / 0.3e6, 1, delta=1e-6)
+        self.write("tip.csv", "time,tip_z [mm]\n0.5,19\n1.5,18\n")
+        self.assertIn("`time` is the load factor, from 0 to 1", self.fit(status=2).stderr)
+
     def test_numbers_that_made_the_motion(self):
         self.measure()
         done = self.fit(ranks=2 if LONG else 1)

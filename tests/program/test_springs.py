@@ -156,6 +156,32 @@ class Springs(ProgramTest):
         h = self.solve(SOFT[: SOFT.index("rigid_bodies")] + "springs:\n" + springs + "loads: [{gravity: [0, 0, -9.81]}]\n", "method: static, load_steps: 2")
         self.assertAlmostEqual(sum(h[f"{name}_force"][-1] for name in "abc"), 1000 * 4e-3 * 9.81, delta=0.1)
 
+    def test_a_release_does_not_carry_on(self):
+        # A shallow truss that a stretched spring presses down by 0.17 m, where it has an equilibrium before it snaps:
+        # the small load, or none, that the steps after it add does not make it move on by as much again.
+        truss = '''
+rigid_bodies: [{name: apex, mass: 1, inertia: [1, 1, 1], center: [0, 0.3, 0]}]
+joints: [{name: guide, type: slider, between: [ground, apex], point: [0, 0.3, 0], axis: [0, 1, 0], spring: {stiffness: 50, rest: REST}}]
+springs:
+  - {name: left, points: [{body: ground, point: [-1, 0, 0]}, {body: apex, point: [0, 0.3, 0]}], stiffness: 1000}
+  - {name: right, points: [{body: ground, point: [1, 0, 0]}, {body: apex, point: [0, 0.3, 0]}], stiffness: 1000}
+loads: [{force: [0, FORCE, 0], volume: apex}]
+'''
+        pressed = truss.replace("REST", "-0.35368").replace("FORCE", "0.1")
+
+        def force(y):
+            length = np.hypot(1, y)
+            return -50 * (y - 0.3 + 0.35368) - 2000 * (length - np.hypot(1, 0.3)) * y / length
+
+        rows = self.solve(pressed, "method: static, load_steps: 5")["apex_y"][1:]
+        np.testing.assert_allclose(force(rows), -0.02 * np.arange(1, 6), atol=1e-5)
+        self.assertGreater(rows.min(), 0.13)
+        rows = self.solve(pressed, "method: quasistatic, step: 0.25, end: 1")["apex_y"][1:]
+        np.testing.assert_allclose(rows, 0.1361076, atol=1e-6)
+        jump = truss.replace("REST", "0").replace("FORCE", '"t < 0.3 ? 0 : -17.6"')
+        h = self.solve(jump, "method: quasistatic, step: 0.25, end: 1")
+        np.testing.assert_allclose(h["apex_y"][h["time"] > 0.4], 0.1352328, atol=1e-6)
+
     def test_springs_that_are_stretched_at_the_start_move_bodies(self):
         self.write("in.yaml", BOB.replace("SPRING", "stiffness: 20, rest: 0.4").replace("MORE", "") + "time: {method: bdf2, step: 10 ms, end: 0.1}\n")
         self.assertNotIn("nothing moves", self.pliant("check", "in.yaml").stderr)

@@ -104,6 +104,18 @@ class Tendons(ProgramTest):
                     self.assertGreater(h["dissipated_tendon_friction"][-1], 0.1)
                     self.assertGreaterEqual(np.diff(h["dissipated_tendon_friction"]).min(), 0)
 
+    def test_a_tendon_alone_holds_a_body_at_rest(self):
+        write_box(self.directory / "bar.msh", (2, 1, 1), (0.4, 0.1, 0.1))
+        text = '''
+mesh: {file: bar.msh}
+bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.3}}]
+constraints: [{volume: body, displacement: [0, 0, free]}]
+tendons: [{name: rope, points: [{body: ground, point: [0.2, 0.05, 0.3]}, [0.2, 0.05, 0.1]], pull: 0, stiffness: 1e4}]
+loads: [{gravity: [0, 0, -9.81]}]
+'''
+        h = self.solve(text, "method: static")
+        self.assertAlmostEqual(h["rope_tension"][-1], 1000 * 4e-3 * 9.81, delta=1e-5)
+
     def test_a_tendon_becomes_slack(self):
         # The drive lets go of 0.1 m at once: the links fall until the tendon is taut again.
         h = self.solve(LINKS.replace("PULLED", 'pull: "-0.1*min(t/0.05, 1)"\n    stiffness: 500'), "method: bdf2, step: 10 ms, end: 0.6")
