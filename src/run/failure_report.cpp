@@ -107,6 +107,12 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
         "follows "
         "the equilibria past a limit point, and a prescribed motion or a cavity's liquid holds what a force cannot");
   }
+  const bool is_unsettled = failure.reason.find("friction did not settle") != std::string::npos;
+  if (is_unsettled) {
+    result.emplace_back(
+        "normal forces jump between one solve and the next, as where edges of two meshes lie over one another, or "
+        "friction jams what moves: contact.friction_update: frozen, contact.law: barrier, or other meshes there");
+  }
   const bool is_whole = !report.worst_cells.empty() && report.worst_cells.front().volume_ratio > nearly_flat;
   if (stage != nullptr && stage->force_scale == 0.0 && is_whole && !report.has_barriers) {
     result.push_back(
@@ -135,7 +141,7 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
     if (num_iterations >= report.max_iterations && last < still_falling * before && is_falling(*iterations)) {
       result.emplace_back("the residual was still falling: a larger solver.newton.max_iterations");
     }
-    if (last < nearly_there * stage->tolerance) {
+    if (last < nearly_there * stage->tolerance && !is_unsettled) {
       result.push_back(fmt::format("the residual was nearly small enough: solver.newton.relative above {:.1g}",
                                    last / stage->force_scale));
     }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -59,6 +60,9 @@ Heading heading_of(std::string text) {
 struct FoundColumn {
   std::size_t place;
   double factor, offset;
+  std::vector<FoundColumn> others;  ///< that say the same in another form
+
+  double value(double number) const { return factor * number + offset; }
 };
 
 /// The file while it is read.
@@ -77,7 +81,7 @@ class Table {
       std::vector<FoundColumn> all;
       for (const Cell& cell : header) {
         table.names.push_back(unquoted(cell.text));
-        all.push_back({all.size(), 1.0, 0.0});
+        all.push_back({all.size(), 1.0, 0.0, {}});
       }
       return all;
     });
@@ -111,7 +115,10 @@ class Table {
                          cells.size(), width));
       } else {
         lines_.push_back(number);
-        for (std::size_t k = 0; k < found.size(); ++k) append(cells[found[k].place], number, found[k], columns[k]);
+        for (std::size_t k = 0; k < found.size(); ++k) {
+          append(cells[found[k].place], number, found[k], columns[k]);
+          compare(cells, number, found[k]);
+        }
       }
       if (errors_.size() > most_errors) break;
     }
@@ -138,6 +145,7 @@ class Table {
   std::optional<FoundColumn> column_of(const std::vector<Cell>& header, int line,
                                        const std::vector<ColumnForm>& forms) {
     std::vector<std::string> given, names;
+    std::optional<FoundColumn> found;
     for (const Cell& cell : header) given.push_back(heading_of(cell.text).name);
     for (const ColumnForm& form : forms) {
       names.emplace_back(form.name);
@@ -152,12 +160,18 @@ class Table {
       try {
         const double factor = unit.empty() ? 1.0 : parse_quantity("1 " + unit, std::string(form.unit));
         const bool is_angular = form.name == "frequency" && unit.starts_with("rad");  // 1 rad is 1
-        return FoundColumn{place, is_angular ? factor : form.factor * factor, form.offset};
+        FoundColumn column{place, is_angular ? factor : form.factor * factor, form.offset, {}};
+        if (found) {
+          found->others.push_back(std::move(column));
+        } else {
+          found = std::move(column);
+        }
       } catch (const UnitError& error) {
         fail(line, header[place].column, fmt::format("'{}': {}", header[place].text, error.what()));
         return std::nullopt;
       }
     }
+    if (found) return found;
     std::string close;
     for (const std::string& name : given) close = close.empty() ? did_you_mean(name, names) : close;
     fail(line, 1,
@@ -173,7 +187,26 @@ class Table {
            fmt::format("'{}' is not a number; units stand in the header, such as 'stress [MPa]'", excerpt(cell.text)));
       return;
     }
-    to.push_back(column.factor * *value + column.offset);
+    to.push_back(column.value(*value));
+  }
+
+  /// Columns that say the same, such as stretch and strain, must do so.
+  void compare(const std::vector<Cell>& cells, int line, const FoundColumn& column) {
+    constexpr double of_digits = 2e-3;  // of numbers with three digits
+    const auto value = parse_number(cells[column.place].text);
+    for (const FoundColumn& other : column.others) {
+      const Cell& cell = cells[other.place];
+      const auto same = parse_number(cell.text);
+      if (!value || !same ||
+          std::abs(other.value(*same) - column.value(*value)) <= of_digits * std::abs(column.value(*value))) {
+        continue;
+      }
+      fail(
+          line, cell.column,
+          fmt::format("'{}' here contradicts '{}' of another column, which says the same in another form; leave one of "
+                      "the columns out",
+                      cell.text, cells[column.place].text));
+    }
   }
 
   std::string file_;

@@ -408,6 +408,7 @@ BAD_TABLES = {
     "nothing": ("# only a comment\n", "empty"),
     "no rows": ("stretch,stress\n", "no rows"),
     "no such stretch": ("stretch,stress\n0,1\n", "must be above 0"),
+    "columns that contradict one another": ("stretch,strain [%],stress\n1.5,50,1\n2,@50,2\n", "'50' here contradicts '2' of another column"),
     "two columns": ("stretch,@stress [MPa],stress [kPa]\n1.5,2,2000\n", "more than one column 'stress'"),
 }
 
