@@ -95,6 +95,13 @@ std::vector<Diagnostic> findings_about_solutions(const Config& config, const Sol
                      "unbalanced: the bodies are too stiff relative to the forces on them for a more accurate solution",
                      s.rounding_stops, s.stages, s.worst_rounding));
   }
+  if (s.unsettled_stages > 0) {
+    found.push_back({Severity::note,
+                     {},
+                     fmt::format("in {} of {} solves normal forces jump between two states, as where points of contact "
+                                 "lie over edges of the other mesh; friction lacks at most {:.1e} of its forces there",
+                                 s.unsettled_stages, s.stages, s.worst_unsettled)});
+  }
   if (s.unstable_stages > 0) {
     warn({}, fmt::format("{} of {} solves found an unstable equilibrium: at the slightest disturbance the body buckles "
                          "or snaps; a dynamic analysis (`time: {{method: bdf2, ...}}`) shows the motion that follows",

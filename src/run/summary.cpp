@@ -53,6 +53,8 @@ void write_summary(const std::filesystem::path& directory, const Summary& summar
                     {"regularizations", s.regularizations},
                     {"rounding_stops", s.rounding_stops},
                     {"worst_rounding", s.worst_rounding},
+                    {"unsettled_stages", s.unsettled_stages},
+                    {"worst_unsettled", s.worst_unsettled},
                     {"unstable_stages", s.unstable_stages}};
   if (std::isfinite(summary.steps.least_gap)) json["contact_gap_min"] = summary.steps.least_gap;
   if (summary.worst.newton_iterations >= 0) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -17,6 +18,12 @@ constexpr int max_rounds = 60;
 /// After so many they must have brought the solution nearer by this factor, or a shorter step costs less.
 constexpr int many_rounds = 20;
 constexpr double little_nearer = 0.3;
+/// Normals and pressures jump where the nearest place changes sides, as over an edge of a mesh, and there may be no
+/// solution with its own coefficients between the two: after so many rounds without progress, one that lacks at most
+/// this fraction of the drag is taken.
+constexpr int rounds_without_progress = 6;
+constexpr double progress = 0.5;
+constexpr double little_drag = 2e-3;
 /// Fraction of the distance to a wall up to which solutions are extrapolated; at the wall their pressure is infinite.
 constexpr double part_to_wall = 0.5;
 /// Most of Newton's steps between two rounds, and the fraction of the residual's merit that each may at most leave.
@@ -43,10 +50,27 @@ bool CoefficientSearch::is_settled(Vec q) {
   return loop_.convergence().is_solution(norm(r_.get()), q);
 }
 
+double CoefficientSearch::missing_part(Vec q) {
+  equation_.drag(q, q, trial_.get());
+  return norm(r_.get()) / std::max(norm(trial_.get()), std::numeric_limits<double>::min());
+}
+
 void CoefficientSearch::settle(Vec q, StageReport& report) {
   std::optional<FixedPoint> rounds;
+  double least = std::numeric_limits<double>::infinity();
+  int last_progress = 0;
   for (int round = 0; report.outcome == StageOutcome::converged && equation_.refreeze(q); ++round) {
     if (is_settled(q)) return;
+    if (round >= rounds_without_progress) {
+      const double missing = missing_part(q);
+      if (missing < progress * least) last_progress = round;
+      least = std::min(least, missing);
+      if (round - last_progress >= rounds_without_progress && missing <= std::min(little_drag, least / progress)) {
+        ++statistics_.unsettled_stages;
+        statistics_.worst_unsettled = std::max(statistics_.worst_unsettled, missing);
+        return;
+      }
+    }
     if (round == max_rounds || (round >= many_rounds && rounds && rounds->error() > little_nearer)) {
       report.outcome = StageOutcome::retry;
       report.reason = fmt::format(

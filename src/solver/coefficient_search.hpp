@@ -32,6 +32,8 @@ class CoefficientSearch {
  private:
   /// Whether q solves the stage with the coefficients as they are; sets r_ to its residual.
   bool is_settled(Vec q);
+  /// The residual r_ at q, where coefficients are frozen, as a part of the drag.
+  double missing_part(Vec q);
   /// Steps of Newton's method from q, at which coefficients are frozen, and r_ is the residual, before and after.
   /// Returns whether q is a solution.
   bool step_to_solution(Vec q, StageReport& report);

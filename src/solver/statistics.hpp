@@ -23,6 +23,8 @@ struct SolverStatistics {
   long long rounding_stops = 0;         ///< stages whose residual ended at its rounding floor, above the tolerance
   long long unstable_stages = 0;        ///< equilibria at which the Hessian has negative eigenvalues
   double worst_rounding = 0.0;          ///< the largest residual of `rounding_stops`, over the forces or M v / dt
+  long long unsettled_stages = 0;       ///< taken although normal forces jump between two solves (CoefficientSearch)
+  double worst_unsettled = 0.0;         ///< the largest part of the drag that one of them lacks
   long long unbalanced_stops = 0;       ///< stages that `absolute` ended while a tenth of the forces was unbalanced
   bool uses_multigrid_instead = false;  ///< of the factorization, for which there was too little memory
   double assembly_seconds = 0.0;        ///< residuals, energies, Hessians

@@ -6,7 +6,7 @@ import unittest
 import h5py
 import numpy as np
 
-from program import LONG, ROOT, ProgramTest, read_history, swept
+from program import LONG, ROOT, ProgramTest, box, read_history, swept, write_mesh
 
 BLOCKS = ROOT / "meshes/falling_blocks.geo"
 GEOMETRY = """SetFactory("OpenCASCADE");
@@ -236,6 +236,32 @@ Mesh.MeshSizeMax = 0.7;
                 np.testing.assert_allclose(h["grip_jz"][-1], weight * h["time"][-1], rtol=0.15)  # it bounces
                 self.assertGreater(h["dissipated_friction"][-1], 0)
                 self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-7 * h["dissipated_friction"][-1])
+
+    def test_friction_settles_although_points_change_sides(self):
+        # Points of the block lie over edges of the plate, where the nearest facet and its normal jump.
+        plate, block = box((3, 3, 1), (1, 1, 0.3)), box((2, 2, 1), (0.4, 0.4, 0.299), (0.3, 0.3, 0.301))
+        sides = [np.vstack([a, b + len(plate[0])]) for a, b in zip(plate[1], block[1])]
+        write_mesh(self.directory / "blocks.msh", np.vstack([plate[0], block[0]]), sides, np.vstack([plate[2], block[2] + len(plate[0])]),
+                   (["plate", "block"], np.repeat([0, 1], [len(plate[2]), len(block[2])])))
+        law = "elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.3}"
+        self.write("in.yaml", f"""
+mesh: {{file: blocks.msh}}
+bodies: [{{volume: plate, density: 1000, {law}}}, {{volume: block, density: 1000, {law}}}]
+constraints:
+  - {{box: [[-1, -1, -1], [2, 2, 1e-6]], displacement: [0, 0, 0]}}
+  - {{name: lid, box: [[-1, -1, 0.599], [2, 2, 1]], displacement: [0, 0, -0.02*t]}}
+contact: {{law: penalty, stick_velocity: 1e-4, pairs: [{{surface: block, with: plate, friction: 0.3}}]}}
+time: {{method: quasistatic, step: 0.05, end: 0.5}}
+""")
+        done = self.pliant("run", "in.yaml", "--output", "out")
+        self.assertIn("normal forces jump between two states", done.stderr + done.stdout)
+        summary = json.loads((self.directory / "out/summary.json").read_text())
+        self.assertEqual(summary["steps"]["failed"], 0)
+        self.assertLess(summary["solver"]["worst_unsettled"], 2e-3)
+        h = read_history(self.directory / "out")
+        frozen = self.run_input("in.yaml", "contact.friction_update=frozen", "time.step=0.005")
+        for column in ("dissipated_friction", "lid_fz"):
+            np.testing.assert_allclose(h[column][-1], frozen[column][-1], rtol=0.01)
 
     def test_a_penalty_holds_what_lies_on_it(self):
         damped = ", viscosity: [{model: mass-proportional, decay_rate: 40}]"
