@@ -164,7 +164,7 @@ FEBIO = {
 }
 
 
-class Convert(ProgramTest):
+class ConvertTest(ProgramTest):
     def convert(self, name, text, *options):
         """The input, as a document, and what was said."""
         self.write(name, text)
@@ -176,6 +176,15 @@ class Convert(ProgramTest):
         self.pliant("run", name, "--quiet", "--output", "out", *[word for s in settings for word in ("--set", s)])
         return read_history(self.directory / "out")
 
+    def fails(self, text, words, name="cubes.inp", status=2):
+        """The model is refused with one message."""
+        self.write(name, text)
+        done = self.call("convert", name, "--force")
+        self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (status, "", 1), done.stderr)
+        self.assertRegex(done.stderr, "^pliant convert: " + words)
+
+
+class Convert(ConvertTest):
     def check_laws(self, name, text, energies):
         self.convert(name, text)
         history = self.history("cubes.yaml")
@@ -372,11 +381,8 @@ class Convert(ProgramTest):
             self.assertIn("end1 with end2", self.pliant("check", "two.yaml").stdout)
 
     def test_errors(self):
-        def fails(text, words, name="cube.inp", status=2):
-            self.write(name, text)
-            done = self.call("convert", name, "--force")
-            self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (status, "", 1), done.stderr)
-            self.assertRegex(done.stderr, "^pliant convert: " + words)
+        def fails(text, words, name="cube.inp"):
+            self.fails(text, words, name)
 
         good = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"], pulled(1))
         fails("hello\n", "cube.inp:1: the file begins with data")
@@ -429,6 +435,50 @@ class Convert(ProgramTest):
                     self.assertTrue(str(error).startswith(name), error)
                     refused += 1
         self.assertGreater(refused, 50)
+
+
+class Decks(ConvertTest):
+    """Files of Abaqus as editors and programs write them."""
+
+    def test_marks_of_files(self):
+        """A byte order mark, line ends of Windows, tabs, comments and capitals change nothing."""
+        text = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"], pulled(1))
+        usual, _ = self.convert("cubes.inp", text)
+        other = text.lower().replace("1, 9, 10", "1,\t9,\n** a comment\n10").replace("type=c3d8, ", "type = C3D8 ,\n** another, with a comma,\n")
+        for content in ("\ufeff" + other.replace("\n", "\r\n"), other.replace("\n", "\r"), "\ufeff" + other):
+            (self.directory / "cubes.inp").write_bytes(content.encode())
+            self.pliant("convert", "cubes.inp", "--force")
+            self.assertEqual(yaml.safe_load((self.directory / "cubes.yaml").read_text()), usual)
+        (self.directory / "cubes.inp").write_bytes(other.encode("utf-16"))
+        self.pliant("convert", "cubes.inp", "--force")
+        self.assertEqual(yaml.safe_load((self.directory / "cubes.yaml").read_text()), usual)
+
+    def test_quoted_names(self):
+        """Names in quotes may have blanks and commas, in parameters and in data."""
+        text = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"], pulled(1) + "*DSLOAD\nend1, P, 2.\n")
+        usual, _ = self.convert("cubes.inp", text)
+        for name in ("right1", "end1", "left1", "cube1", "rubber1"):
+            text = re.sub(rf"\b{name}\b", f'"my, {name}"', text)
+        config, _ = self.convert("cubes.inp", text)
+        self.assertEqual(config, yaml.safe_load(re.sub(r"\b(right1|end1|left1|cube1)\b", r'"my, \1"', yaml.safe_dump(usual))))
+        self.pliant("check", "cubes.yaml")
+
+    def test_other_files(self):
+        """They are next to the deck, or to the file that names them; data may come from a file of their own."""
+        text = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"], pulled(1))
+        usual, _ = self.convert("cubes.inp", text)
+        nodes = re.search(r"(?s)\*NODE\n(.*?)\*ELEMENT", text)[1]
+        material = re.search(r"(?s)\*MATERIAL.*?(?=\*SOLID)", text)[0]
+        self.directory.joinpath("deck/parts").mkdir(parents=True)
+        self.write("deck/parts/nodes.txt", nodes)
+        self.write("deck/parts/material.inp", "*INCLUDE, INPUT=law.inp\n")
+        self.write("deck/parts/law.inp", material)
+        self.write("deck/cubes.inp", text.replace(f"*NODE\n{nodes}", "*NODE, INPUT=parts/nodes.txt\n").replace(material, "*INCLUDE, INPUT=parts\\material.inp\n"))
+        self.pliant("convert", "deck/cubes.inp", "--force")
+        self.assertEqual(yaml.safe_load((self.directory / "cubes.yaml").read_text()), usual)
+        self.fails(text.replace(material, "*INCLUDE, INPUT=law.inp\n"), r"cubes.inp:\d+: law.inp: No such file or directory")
+        self.fails(text.replace(material, "*INCLUDE\n"), r"cubes.inp:\d+: \*INCLUDE: the name of the file \(INPUT=...\) is missing")
+        self.fails(text.replace("*ELEMENT, TYPE=C3D8, ELSET=cube1", "*ELEMENT, TYPE=C3D8, ELSET=cube1,"), "cubes.inp:13: '1' is read as a parameter of \\*ELEMENT")
 
 
 if __name__ == "__main__":

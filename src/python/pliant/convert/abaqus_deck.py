@@ -1,9 +1,12 @@
 """The cards of an input file of Abaqus or CalculiX."""
+import codecs
 import dataclasses
 import os
 import re
 
 from pliant.error import PliantError
+
+MOST_INCLUDES = 20  # of files in files
 
 
 @dataclasses.dataclass
@@ -32,45 +35,80 @@ class Card:
     name: str = ""
 
 
-def read_cards(file, diagnostics, line=None, depth=0):
+def read_cards(file, diagnostics):
     """All cards, with those of included files. Lines of an included file are counted as the line that includes it."""
-    try:
-        with open(file, encoding="utf-8", errors="replace") as text:
-            lines = text.read().splitlines()
-    except OSError as error:
-        raise PliantError(f"{file}: {error.strerror}") from None
-    cards, head = [], None  # head: a card whose parameters continue on the next line
-    for number, content in enumerate(lines, 1):
-        at = line or number
-        content = content.strip()
-        if not content or content.startswith("**"):
-            continue
-        if content.startswith("*") or head is not None:
-            joined = (head or "") + content
-            head = joined if joined.endswith(",") else None
-            if head is None:
-                add_card(cards, joined, at, file, diagnostics, depth)
-        elif cards:
-            cards[-1].data.append((at, [entry.strip() for entry in content.rstrip(", ").split(",")]))
-        else:
-            raise diagnostics.wrong(at, "the file begins with data: it is not an input file of Abaqus or CalculiX")
+    cards = []
+    Reader(os.path.dirname(file), diagnostics, cards).read(file)
     return cards
 
 
-def add_card(cards, text, line, file, diagnostics, depth):
-    name, *parameters = [part.strip() for part in text[1:].split(",")]
-    named = {}
-    for parameter in parameters:
-        key, equals, value = parameter.partition("=")
-        if key:
-            named["".join(key.upper().split())] = value.strip().strip('"') if equals else ""
-    card = Card("".join(name.upper().split()), named, line, [], " ".join(name.upper().split()))
-    if card.keyword == "INCLUDE":
-        if depth > 20:
-            raise diagnostics.wrong(line, "files include one another without end")
-        cards += read_cards(os.path.join(os.path.dirname(file), card.value("INPUT")), diagnostics, line, depth + 1)
-    else:
-        cards.append(card)
+class Reader:
+    """Adds the cards of a file, and of those that it names, to `cards`; `folder`: that of the deck."""
+
+    def __init__(self, folder, diagnostics, cards):
+        self.folder, self.diagnostics, self.cards = folder, diagnostics, cards
+
+    def read(self, file, line=None, depth=0):
+        if depth > MOST_INCLUDES:
+            raise self.diagnostics.wrong(line, "files include one another without end")
+        head = ""  # a card whose parameters continue on the next line
+        for number, content in enumerate(self.lines_of(file, line), 1):
+            at, content = line or number, content.strip()
+            if not content or content.startswith("**"):
+                continue
+            if head and content.startswith("*"):
+                self.add_card(head, at, file, depth)
+                head = ""
+            if head or content.startswith("*"):
+                joined = head + content
+                head = joined if joined.endswith(",") else ""
+                if not head:
+                    self.add_card(joined, at, file, depth)
+            elif self.cards:
+                self.cards[-1].data.append((at, split(content.rstrip(", "))))
+            else:
+                raise self.diagnostics.wrong(at, "the file begins with data: it is not an input file of Abaqus or CalculiX")
+        if head:
+            self.add_card(head, at, file, depth)
+
+    def lines_of(self, file, line):
+        try:
+            with open(file, "rb") as data:
+                content = data.read()
+        except OSError as error:
+            raise PliantError(f"{file}: {error.strerror}") if line is None else self.diagnostics.wrong(line, f"{file}: {error.strerror}") from None
+        encoding = "utf-16" if content[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE) else "utf-8-sig"
+        return re.split("\r\n|\r|\n", content.decode(encoding, errors="replace"))
+
+    def add_card(self, text, line, file, depth):
+        name, *parameters = split(text[1:])
+        named = {}
+        for parameter in parameters:
+            key, equals, value = parameter.partition("=")
+            if re.match(r"[-+.\d]", key):
+                raise self.diagnostics.wrong(line, f"'{key[:40]}' is read as a parameter of *{name.upper()}, because the line before it ends with a comma: remove that comma")
+            if key:
+                named["".join(key.upper().split())] = value.strip() if equals else ""
+        card = Card("".join(name.upper().split()), named, line, [], " ".join(name.upper().split()))
+        if card.keyword != "INCLUDE":
+            self.cards.append(card)
+        if card.value("INPUT"):
+            self.read(self.place_of(card.value("INPUT"), file), line, depth + 1)
+        elif card.keyword == "INCLUDE" or card.has("INPUT"):
+            raise self.diagnostics.wrong(line, f"{card.title}: the name of the file (INPUT=...) is missing")
+
+    def place_of(self, name, file):
+        """Next to the deck, as Abaqus and CalculiX look for it, or to the file that names it."""
+        name = name.replace("\\", "/")
+        places = [os.path.join(folder, name) for folder in (self.folder, os.path.dirname(file))]
+        return next((place for place in places if os.path.exists(place)), places[0])
+
+
+def split(text):
+    """The parts between commas, without blanks around them and without the quotes in which a name may have commas of its own."""
+    is_quoted = '"' in text and text.count('"') % 2 == 0
+    parts = re.split(r',(?=(?:[^"]*"[^"]*")*[^"]*$)', text) if is_quoted else text.split(",")
+    return [part.replace('"', "").strip() for part in parts]
 
 
 def real(entries, index, line, diagnostics, what, default=None):
