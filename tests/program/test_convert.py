@@ -481,5 +481,148 @@ class Decks(ConvertTest):
         self.fails(text.replace("*ELEMENT, TYPE=C3D8, ELSET=cube1", "*ELEMENT, TYPE=C3D8, ELSET=cube1,"), "cubes.inp:13: '1' is read as a parameter of \\*ELEMENT")
 
 
+def step(content, procedure="*STATIC\n0.5, 1."):
+    return f"*END STEP\n*STEP, NLGEOM\n{procedure}\n{content}"
+
+
+class Steps(ConvertTest):
+    """What steps of Abaqus and CalculiX begin, change and end."""
+
+    STIFF = "*ELASTIC\n1e9, 0.\n*DENSITY\n2.\n"
+
+    def reactions(self, column, times):
+        history = self.history("cubes.yaml")
+        return [history[column][np.flatnonzero(np.abs(history["time"] - t) < 1e-9)[0]] for t in times]
+
+    def test_displacements_that_begin_or_end_in_a_later_step(self):
+        """They cannot be written, and are named; those of nodes that are held already change."""
+        first = "*STATIC\n0.5, 1.\n*CLOAD\nright1, 1, 1e5\n"
+        config, said = self.convert("cubes.inp", abaqus_cubes([self.STIFF], first + step("*BOUNDARY\nright1, 1, 3, 0.1\n")))
+        self.assertIn("*BOUNDARY on right1 (degrees of freedom 1, 2, 3) begins at t = 1: a constraint holds from the start of a run, and this one is left out", said)
+        self.assertIn("not complete", said)
+        self.assertEqual([c["surface"] for c in config["constraints"]], ["left1", "front1", "bottom1"])
+        both = "*BOUNDARY\nright1, 1, 1, 0.1\nright1, 2, 2, 0.\n"
+        _, said = self.convert("cubes.inp", abaqus_cubes([self.STIFF], first + both + step("*BOUNDARY, OP=NEW\nleft1, 1\nfront1, 2\nbottom1, 3\nright1, 1, 1, 0.2\n")))
+        self.assertIn("*BOUNDARY, OP=NEW releases the displacements of right1 in y at t = 1", said)
+        self.assertNotIn("displacements of left1", said)
+        config, said = self.convert("cubes.inp", abaqus_cubes([self.STIFF], pulled(1, 0.1) + step("*BOUNDARY, FIXED\nright1, 1\n") + step("*BOUNDARY\n10, 1, 1, 0.3\n")))
+        self.assertNotIn("not complete", said)
+        displaced = [(c.get("surface") or c["name"], c["displacement"][0]) for c in config["constraints"] if c["displacement"][0] != "free"][1:]
+        self.assertEqual(sorted(displaced), [("nodes_1", "t < 1 ? 0.1*t : t < 2 ? 0.1 : 0.1 + 0.2*(t - 2)"), ("right1_1", "t < 1 ? 0.1*t : 0.1")])
+        self.assertIn("3 nodes of right1 keep its displacement in x", said)
+
+    def test_forces_belong_to_nodes(self):
+        """Forces of one step add up, and those of a later one replace the node's, whatever the names: CalculiX 2.20 has these reactions."""
+        loads = "*STATIC\n1., 1.\n*NSET, NSET=two\n10, 11\n*CLOAD\n10, 1, 1.\n10, 1, 2.\ntwo, 1, 10.\n" + step("*CLOAD\n10, 1, 3.\n") + step("*CLOAD, OP=NEW\n11, 1, 5.\n")
+        self.convert("cubes.inp", abaqus_cubes([self.STIFF], loads))
+        np.testing.assert_allclose(self.reactions("left1_fx", [1, 2, 2.5, 3]), [-23, -13, -9, -5], rtol=1e-6)
+
+    def test_loads_change_and_end(self):
+        """OP=NEW removes the loads of its keyword; a load in another direction, or on a surface of another name, replaces the earlier one."""
+        loads = ("*STATIC\n1., 1.\n*SURFACE, NAME=same\ncube1, S4\n*DLOAD\ncube1, GRAV, 10., 1., 0., 0.\n*DSLOAD, FOLLOWER=NO\nend1, TRVEC, 7., 1., 0., 0.\n"
+                 + step("*DLOAD\ncube1, GRAV, 5., -1., 0., 0.\n*DSLOAD, FOLLOWER=NO\nsame, TRVEC, 8., 1., 0., 0.\n") + step("*DLOAD\ncube1, GRAV, 4., 0., 1., 0.\n")
+                 + step("*DLOAD, OP=NEW\ncube1, BX, 3.\n") + step("*DSLOAD, OP=NEW\n"))
+        config, said = self.convert("cubes.inp", abaqus_cubes([self.STIFF], loads))
+        self.assertEqual(len(config["loads"]), 3)
+        np.testing.assert_allclose(self.reactions("left1_fx", [1, 2, 3, 3.5, 4, 5]), [-27, 2, -8, -9.5, -11, -3], rtol=1e-5)
+        self.assertIn("*DLOAD, GRAV on cube1 replaces that of an earlier step, which has another direction, as in Abaqus; CalculiX adds them", said)
+        self.assertIn("*DLOAD, OP=NEW: the loads of *DSLOAD of earlier steps remain, as in Abaqus; CalculiX removes them", said)
+        loads = "*STATIC\n1., 1.\n*DSLOAD\nend1, P, 7.\n*SURFACE, NAME=both\ncube1, S4\ncube1, S5\n" + step("*DSLOAD\nboth, P, 8.\n")
+        config, said = self.convert("cubes.inp", abaqus_cubes([self.STIFF], loads))
+        self.assertIn("*DSLOAD on a part of what has such a load of an earlier step by another name: left out", said)
+        self.assertEqual(len(config["loads"]), 1)
+
+    def test_perturbations_are_runs_of_their_own(self):
+        steps = "*STATIC\n1., 1.\n*CLOAD\n10, 1, 1.\n*END STEP\n*STEP, PERTURBATION\n*STATIC\n*CLOAD\n10, 1, 2.\n"
+        config, said = self.convert("cubes.inp", abaqus_cubes([self.STIFF], steps))
+        self.assertIn("the step with *STEP, and its conditions: a linear perturbation is a run of its own", said)
+        self.assertEqual((config["loads"][0]["force"][0], config["time"]["end"]), ("t", 1))
+
+    def test_tables_of_amplitudes(self):
+        def amplitude(data, parameters=""):
+            return abaqus_cubes([self.STIFF], "*STATIC\n0.25, 4.\n*BOUNDARY, AMPLITUDE=a\nright1, 1, 1, 0.1\n", f"*AMPLITUDE, NAME=a{parameters}\n{data}\n")
+
+        config, _ = self.convert("cubes.inp", amplitude("0, 1, 2, 3,\n3, 4", ", SHIFTX=1, SHIFTY=-1"))
+        self.assertEqual(config["constraints"][-1]["displacement"][0], "t < 1 ? 0 : t < 3 ? 0.1*(t - 1) : 0.2 + 0.1*(t - 3)")
+        for data, words in (("0, 0, 1,", "\\*AMPLITUDE a: a line has pairs of a time and a value, not 3 numbers"), ("0, 0, , 1", "a time of the amplitude is missing"),
+                            ("0, 0, 1, ,2, 1", "a value of the amplitude is missing"), ("0, 0, 2, 1, 1, 0", "\\*AMPLITUDE a: its times must not decrease: 1 follows 2")):
+            self.fails(amplitude(data), rf"cubes.inp:\d+: {words}")
+        _, said = self.convert("cubes.inp", amplitude("0, 0, 1, 1", ", VALUE=ABSOLUTE"))
+        self.assertIn("*AMPLITUDE, VALUE=ABSOLUTE: write its formula of t", said)
+
+    def test_static_steps_do_not_relax(self):
+        """They have the moduli of fast motion, or at rest with LONG TERM; what damps motion has no effect."""
+        def materials(moduli):
+            return [law.replace("\n", f", MODULI={moduli}\n", 1) + "*VISCOELASTIC, TIME=PRONY\n0.4, 0.4, 0.5\n*DAMPING, ALPHA=2., BETA=0.1\n"
+                    for law in ("*HYPERELASTIC, NEO HOOKE\n1e5, 2e-5\n", "*ELASTIC\n1e6, 0.3\n")]
+
+        for moduli, procedure, factor in (("LONG TERM", "*STATIC", 1 / 0.6), ("INSTANTANEOUS", "*STATIC", 1), ("LONG TERM", "*STATIC, LONG TERM", 1),
+                                          ("INSTANTANEOUS", "*STATIC, LONG TERM", 0.6)):
+            with self.subTest((moduli, procedure)):
+                config, said = self.convert("cubes.inp", abaqus_cubes(materials(moduli), pulled(2).replace("*STATIC", procedure)))
+                hyper, linear = (body["elasticity"] for body in config["bodies"])
+                np.testing.assert_allclose([hyper["shear_modulus"], hyper["bulk_modulus"], linear["youngs_modulus"], linear["poissons_ratio"]],
+                                           [2e5 * factor, 1e5 * factor, 1e6 * factor, 0.3], rtol=1e-9)
+                self.assertFalse(any("viscosity" in body for body in config["bodies"]))
+                self.assertIn("*VISCOELASTIC: static steps with", said)
+                self.assertIn("*DAMPING acts in motion only", said)
+        config, said = self.convert("cubes.inp", abaqus_cubes(materials("LONG TERM"), pulled(2) + step("", "*VISCO, CETOL=1\n0.1, 1.")))
+        self.assertEqual(config["bodies"][0]["viscosity"][0]["model"], "prony")
+        self.assertIn("the material relaxes in the static steps, too", said)
+        config, _ = self.convert("cubes.inp", abaqus_cubes(materials("LONG TERM"), pulled(2).replace("*STATIC", "*DYNAMIC")))
+        self.assertEqual([branch["model"] for branch in config["bodies"][0]["viscosity"]], ["mass-proportional", "stiffness-proportional", "prony"])
+
+
+class References(ConvertTest):
+    """Conditions on nodes through which a rigid body or a coupling moves."""
+
+    MORE = "*NODE, NSET=ref\n500, 1.2, 3.5, 0.5\n*COUPLING, CONSTRAINT NAME=c, REF NODE=ref, SURFACE=end1\n"
+
+    def test_a_displacement_has_the_force_that_makes_it(self):
+        rubber = "*HYPERELASTIC, NEO HOOKE\n1e5, 2e-5\n"
+        guided = "*BOUNDARY\nref, 2, 6\n"
+        config, said = self.convert("cubes.inp", abaqus_cubes([rubber], f"*STATIC\n0.5, 1.\n{guided}ref, 1, 1, 0.2\n", self.MORE + "*KINEMATIC\n"))
+        self.assertNotIn("not complete", said)
+        self.assertIn({"surface": "end1", "name": "ref", "rigid": {"translation": ["0.2*t", 0, 0], "rotation": "fixed", "center": [1.2, 3.5, 0.5]}}, config["constraints"])
+        force = self.history("cubes.yaml")["ref_fx"][-1]
+        for kind, delta in (("*KINEMATIC\n1, 6\n", 1e-7), ("*DISTRIBUTING\n", 0.02)):
+            _, said = self.convert("cubes.inp", abaqus_cubes([rubber], f"*STATIC\n0.5, 1.\n{guided}*CLOAD\n500, 1, {force}\n", self.MORE + kind))
+            self.assertNotIn("not complete", said)
+            self.assertAlmostEqual(self.history("cubes.yaml")["ref_x"][-1] - 1.2, 0.2, delta=delta)
+
+    def test_rotations(self):
+        rigid = "*NODE, NSET=ref\n500, 1., 3., 0.\n*RIGID BODY, REF NODE=500, TIE NSET=right1\n"
+        for conditions, expected in (("ref, 1, 6\n", "fixed"), ("ref, 1, 5\nref, 6, 6, 0.3\n", {"axis": [0, 0, 1], "angle": "0.3*t"}), ("ref, 1, 5\n", {"axis": [0, 0, 1], "angle": "free"}),
+                                     ("ref, 1, 3\n", "free"), ("ref, 1, 4\n", None), ("ref, 1, 4\nref, 5, 6, 0.1\n", None)):
+            with self.subTest(conditions):
+                config, said = self.convert("cubes.inp", abaqus_cubes(["*ELASTIC\n1e5, 0.3\n"], "*STATIC\n0.5, 1.\n*BOUNDARY\n" + conditions, rigid))
+                found = [c["rigid"]["rotation"] for c in config["constraints"] if "rigid" in c]
+                self.assertEqual(found, [] if expected is None else [expected])
+                self.assertEqual("rotations about several axes" in said, expected is None)
+
+    def test_reference_points_of_an_assembly(self):
+        """Numbers of the assembly are not those of the part."""
+        flat = abaqus_cubes(["*ELASTIC\n1e5, 0.3\n"], "")
+        mesh = re.search(r"(?s)\*NODE.*?(?=\*SURFACE)", flat)[0]
+        sets = "".join(f"*NSET, NSET={name}1, INSTANCE=one\n{', '.join(str(8 + n) for n in of)}\n" for name, of in SIDES.items())
+        text = (f"*PART, NAME=p\n{mesh}*SOLID SECTION, ELSET=cube1, MATERIAL=m\n*END PART\n*ASSEMBLY, NAME=a\n*INSTANCE, NAME=one, PART=p\n*END INSTANCE\n"
+                f"*NODE\n9, 1., 3.5, 0.5\n*NSET, NSET=RP\n9\n{sets}*ELSET, ELSET=_end_S4, INTERNAL, INSTANCE=one\n1\n*SURFACE, NAME=end1\n_end_S4, S4\n"
+                "*COUPLING, CONSTRAINT NAME=c, REF NODE=RP, SURFACE=end1\n*KINEMATIC\n*END ASSEMBLY\n*MATERIAL, NAME=m\n*ELASTIC\n1e5, 0.3\n*BOUNDARY\nleft1, 1\nfront1, 2\nbottom1, 3\n"
+                "*STEP, NLGEOM\n*STATIC\n0.5, 1.\n*BOUNDARY\n9, 1, 1, 0.1\n{}*END STEP\n")
+        config, said = self.convert("cubes.inp", text.replace("{}", "RP, 2, 6\n"))
+        self.assertNotIn("not complete", said)
+        self.assertIn({"surface": "end1", "name": "RP", "rigid": {"translation": ["0.1*t", 0, 0], "rotation": "fixed", "center": [1, 3.5, 0.5]}}, config["constraints"])
+        config, said = self.convert("cubes.inp", text.replace("{}", "one.9, 2, 2, 0.1\n").replace("*COUPLING, CONSTRAINT NAME=c, REF NODE=RP, SURFACE=end1\n*KINEMATIC\n", ""))
+        self.assertIn("*BOUNDARY on node 9, which belongs to no element of the input, and to no rigid part or coupling that it has: left out", said)
+        self.assertEqual(config["constraints"][-1]["displacement"], ["free", "0.1*t", "free"])
+
+    def test_what_has_no_counterpart_is_listed(self):
+        for kind, words in (("*KINEMATIC\n1, 1\n", "*KINEMATIC of some degrees of freedom"), ("", "node 500, which belongs to no element")):
+            config, said = self.convert("cubes.inp", abaqus_cubes(["*ELASTIC\n1e5, 0.3\n"], "*STATIC\n0.5, 1.\n*CLOAD\n500, 1, 1.\n", self.MORE + kind))
+            self.assertIn(words, said)
+            self.assertIn("not complete", said)
+            self.assertNotIn("loads", config)
+
+
 if __name__ == "__main__":
     unittest.main()

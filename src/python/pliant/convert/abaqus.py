@@ -1,9 +1,11 @@
 """Reads an input file of Abaqus or CalculiX."""
 import os
 
+from .abaqus_conditions import AbaqusConditions
 from .abaqus_deck import read_cards
 from .abaqus_materials import AbaqusMaterials
 from .abaqus_mesh import AbaqusMesh
+from .abaqus_rigid import AbaqusRigid
 from .abaqus_steps import AbaqusSteps
 from .contact import hint
 from .model import Body, Model
@@ -11,7 +13,7 @@ from .model import Body, Model
 OUTPUT = {"NODEPRINT", "ELPRINT", "NODEFILE", "ELFILE", "OUTPUT", "NODEOUTPUT", "ELEMENTOUTPUT", "CONTACTFILE", "CONTACTPRINT", "CONTACTOUTPUT",
           "SECTIONPRINT", "FACEPRINT", "ENERGYPRINT", "ENERGYOUTPUT", "ENERGYFILE", "FILEOUTPUT", "PREPRINT", "RESTART", "MONITOR", "PRINT",
           "ELEMENTPRINT", "TIMEPOINTS"}
-CONDITIONS = {"EQUATION", "MPC", "TEMPERATURE", "EXPANSION", "RIGIDBODY", "COUPLING", "KINEMATIC", "DISTRIBUTING", "CONTACTPAIR", "CONTACT"}
+CONDITIONS = {"EQUATION", "MPC", "TEMPERATURE", "EXPANSION", "CONTACTPAIR", "CONTACT"}
 STRUCTURE = {"PART", "ENDPART", "INSTANCE", "ENDINSTANCE", "ASSEMBLY", "ENDASSEMBLY", "STEP", "ENDSTEP"}
 FIRST = {"NODE": 0, "ELEMENT": 1}
 CONTROLS = {"CONTROLS", "SOLVERCONTROLS", "HOURGLASSSTIFFNESS", "SECTIONCONTROLS"}
@@ -34,11 +36,12 @@ def read(file, diagnostics):
     """The model; what is left out of it goes to the diagnostics. Raises PliantError with the line for what cannot be read."""
     model = Model("Abaqus or CalculiX", title=os.path.splitext(os.path.basename(file))[0])
     mesh, materials = AbaqusMesh(model, diagnostics), AbaqusMaterials(diagnostics)
-    steps = AbaqusSteps(model, mesh, diagnostics)
+    steps, rigid = AbaqusSteps(diagnostics), AbaqusRigid(model, mesh, diagnostics)
+    conditions = AbaqusConditions(model, mesh, steps, rigid, diagnostics)
     sections, output, controls = [], [], []
     interaction, friction = "", {}
     for card in in_order(read_cards(file, diagnostics)):
-        if mesh.read(card) or materials.read(card) or steps.read(card):
+        if mesh.read(card) or materials.read(card) or rigid.read(card) or conditions.read(card) or steps.read(card):
             continue
         if card.keyword == "HEADING":
             model.title = next((" ".join(" ".join(entries).split()) for _, entries in card.data if any(entries)), model.title)
@@ -73,15 +76,15 @@ def read(file, diagnostics):
     finished = set()
     for name, card in sections:
         name = name if name in model.element_sets else mesh.spelled("element", name)  # a set that is defined after its section
-        add_body(model, name, card, materials, nonlinear, finished, diagnostics)
+        add_body(model, name, card, materials, (nonlinear, steps), finished, diagnostics)
     without = set(range(len(model.elements))).difference(*(model.element_sets.get(body.elements, ()) for body in model.bodies))
     if model.bodies and without:
         diagnostics.missing(None, f"{len(without)} of {len(model.elements)} elements have no *SOLID SECTION, and are left out with what is on them alone")
-    steps.finish(nonlinear)
+    conditions.finish(nonlinear)
     return model
 
 
-def add_body(model, name, card, materials, nonlinear, finished, diagnostics):
+def add_body(model, name, card, materials, analysis, finished, diagnostics):
     material = materials.by_name.get(card.upper("MATERIAL"))
     if name not in model.element_sets:
         raise diagnostics.wrong(card.line, f"the set of elements '{name}' is not defined")
@@ -92,9 +95,9 @@ def add_body(model, name, card, materials, nonlinear, finished, diagnostics):
     if not model.element_sets[name]:
         return  # elements without a counterpart
     if material.name not in finished:
-        materials.finish(material, nonlinear)
+        materials.finish(material, *analysis)
         finished.add(material.name)
     if material.elasticity is None:
         diagnostics.missing(material.line, f"material {material.name}: it has no elastic law that could be converted")
     model.bodies.append(Body(name, material.elasticity, material.density, material.viscosity, material.poisson,
-                             bool(material.prony) and material.elasticity is not None and not material.is_linear))
+                             bool(material.prony and material.elasticity) and not material.is_linear))

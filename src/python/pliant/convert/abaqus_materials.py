@@ -22,6 +22,8 @@ class Material:
     elasticity: "dict | None" = None
     density: "Quantity | None" = None
     viscosity: list = dataclasses.field(default_factory=list)
+    damping: list = dataclasses.field(default_factory=list)  # in motion only
+    damping_line: int = 0
     shear: float = 0.0
     bulk: "float | None" = None
     is_linear: bool = False
@@ -178,27 +180,54 @@ class AbaqusMaterials:
         self.current.prony_line = card.line
 
     def read_damping(self, card):
+        self.current.damping_line = card.line
         for name, value in card.parameters.items():
             if name == "ALPHA":
-                self.current.viscosity.append({"model": "mass-proportional", "decay_rate": Quantity(self.diagnostics.number(value, card.line, name), RATE)})
+                self.current.damping.append({"model": "mass-proportional", "decay_rate": Quantity(self.diagnostics.number(value, card.line, name), RATE)})
             elif name == "BETA":
-                self.current.viscosity.append({"model": "stiffness-proportional", "time": Quantity(self.diagnostics.number(value, card.line, name), TIME)})
+                self.current.damping.append({"model": "stiffness-proportional", "time": Quantity(self.diagnostics.number(value, card.line, name), TIME)})
             else:
                 self.diagnostics.omit(card.line, f"{card.title}, {name}")
 
-    def finish(self, material, nonlinear):
+    def finish(self, material, nonlinear, steps):
         """Turns the Prony series into branches: ratios of Abaqus refer to the modulus of fast motion, Pliant's to that at rest."""
         if material.is_linear and nonlinear and material.elasticity:
             material.elasticity["model"] = "saint-venant-kirchhoff"
             self.diagnostics.note(material.line, f"material {material.name}: *ELASTIC with large displacements becomes saint-venant-kirchhoff, which is "
                                   "CalculiX's law; Abaqus's differs at large strains, and neo-hookean is the better choice there")
+        if steps.kind == "static" and material.damping:
+            self.diagnostics.note(material.damping_line, "*DAMPING acts in motion only, as in the model, and static steps are without it")
+        else:
+            material.viscosity += material.damping
         if not material.prony or not material.elasticity:
             return
-        shear_rest, bulk_rest = (1 - sum(row[k] for row in material.prony) for k in (0, 1))
-        if shear_rest <= 0 or bulk_rest <= 0:
+        at_rest = [1 - sum(row[k] for row in material.prony) for k in (0, 1)]
+        if min(at_rest) <= 0:
             raise self.diagnostics.wrong(material.prony_line, "the ratios of the Prony series add up to 1 or more: nothing is left at rest")
+        if steps.rates and "all" not in steps.rates:
+            self.without_rates(material, at_rest, steps)
+            return
+        if "all" in steps.rates and len(set(steps.rates)) > 1:
+            self.diagnostics.missing(material.prony_line, "*VISCOELASTIC: the material relaxes in the static steps, too, which in Abaqus it does not: make them short "
+                                     "against its relaxation times")
         if material.instantaneous:
-            self.scale_to_rest(material, shear_rest, bulk_rest)
+            self.scale(material, *at_rest)
+        self.add_branches(material, *at_rest)
+
+    def without_rates(self, material, at_rest, steps):
+        """Static steps have the moduli of fast motion; with LONG TERM those at rest."""
+        is_long = set(steps.rates) == {"long term"}
+        if is_long and material.instantaneous:
+            self.scale(material, *at_rest)
+        if not is_long and not material.instantaneous:
+            self.scale(material, *(1 / rest for rest in at_rest))
+        material.prony = []
+        self.diagnostics.note(material.prony_line, f"*VISCOELASTIC: static steps {'with' if is_long else 'without'} LONG TERM have the moduli "
+                              f"{'at rest' if is_long else 'of fast motion'}, as in Abaqus; for relaxation the model needs *VISCO")
+        if not is_long and "long term" in steps.rates:
+            self.diagnostics.missing(material.prony_line, "*VISCOELASTIC: some static steps are with LONG TERM, and have the moduli of fast motion here, too")
+
+    def add_branches(self, material, shear_rest, bulk_rest):
         if material.elasticity["model"] in ("linear", "saint-venant-kirchhoff"):
             material.viscosity += [{"model": "maxwell", "shear_ratio": g / shear_rest, "bulk_ratio": k / bulk_rest, "relaxation_time": Quantity(time, TIME)}
                                    for g, k, time in material.prony]
@@ -209,13 +238,16 @@ class AbaqusMaterials:
                                   "are left out")
 
     @staticmethod
-    def scale_to_rest(material, shear_rest, bulk_rest):
+    def scale(material, shear_factor, bulk_factor):
+        """Multiplies the moduli."""
         law = material.elasticity
+        material.shear *= shear_factor
+        material.bulk = None if material.bulk is None else material.bulk * bulk_factor
         if material.is_linear:
-            shear, bulk = material.shear * shear_rest, material.bulk * bulk_rest
+            shear, bulk = material.shear, material.bulk
             law["youngs_modulus"] = Quantity(9 * bulk * shear / (3 * bulk + shear), STRESS)
             law["poissons_ratio"] = poisson_of(shear, bulk)
             return
         for name, value in law.items():
             if isinstance(value, Quantity):
-                law[name] = Quantity(value.value * (bulk_rest if name == "bulk_modulus" else shear_rest), value.dimension)
+                law[name] = Quantity(value.value * (bulk_factor if name == "bulk_modulus" else shear_factor), value.dimension)

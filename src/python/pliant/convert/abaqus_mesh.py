@@ -24,6 +24,7 @@ class AbaqusMesh:
     def __init__(self, model, diagnostics):
         self.model, self.diagnostics = model, diagnostics
         self.row_of_node, self.row_of_element = {}, {}
+        self.row_of_reference = {}  # of nodes of the assembly, which has numbers of its own
         self.points = []
         self.left_out = collections.Counter()
         self.first_left_out = None
@@ -94,21 +95,19 @@ class AbaqusMesh:
 
     # ------------------------------------------------------------------ nodes and elements
     def read_nodes(self, card):
-        if self.level == "assembly":
-            self.diagnostics.omit(card.line, "nodes of the assembly, such as reference points")
-            return
+        table = self.row_of_reference if self.level == "assembly" else self.row_of_node
         if card.upper("SYSTEM", "R") not in ("", "R"):
             raise self.diagnostics.wrong(card.line, "nodes in cylindrical or spherical coordinates are not supported")
         members = self.node_set(card.value("NSET")) if card.has("NSET") else []
         for line, entries in card.data:
             label = whole(entries[0], line, self.diagnostics, "the number of a node")
             x = [real(entries, k, line, self.diagnostics, "a coordinate", 0.0) for k in (1, 2, 3)]
-            if label in self.row_of_node:  # as in CalculiX, the later one counts
-                self.points[self.row_of_node[label]] = x
+            if label in table:  # as in CalculiX, the later one counts
+                self.points[table[label]] = x
             else:
-                self.row_of_node[label] = len(self.points)
+                table[label] = len(self.points)
                 self.points.append(x)
-            members.append(self.row_of_node[label])
+            members.append(table[label])
 
     def read_elements(self, card):
         kind = kind_of(card.upper("TYPE"))
@@ -150,28 +149,44 @@ class AbaqusMesh:
         name = self.spelled(kind, text)
         if name in sets:
             return sets[name]
-        label = whole(text, line, self.diagnostics, f"'{text}' is not the name of a set of {kind}s before this line, and")
+        label = whole(text.rpartition(".")[2] if self.instances else text, line, self.diagnostics, f"'{text}' is not the name of a set of {kind}s before this line, and")
         return [table[label]] if label in table else []
 
     def nodes(self, text, line):
-        return self.rows(text, line, self.model.node_sets, "node", self.row_of_node)
+        return self.rows(text, line, self.model.node_sets, "node", self.nodes_here(text))
+
+    def nodes_here(self, text, of_instance=False):
+        """Rows by number. Where there is an instance, numbers without its name are those of the assembly, outside of the part."""
+        is_of_assembly = self.instances and self.level != "part" and "." not in text and not of_instance
+        return self.row_of_reference if is_of_assembly else self.row_of_node
+
+    def elements_here(self, card):
+        return {} if self.instances and self.level != "part" and not card.has("INSTANCE") else self.row_of_element
+
+    def row_of(self, text):
+        """The row of a node by its number, with or without an instance; None if there is none."""
+        label = text.rpartition(".")[2]
+        return self.nodes_here(text).get(int(label)) if label.isdigit() else None
+
+    def label_of(self, row):
+        return next((label for table in (self.row_of_node, self.row_of_reference) for label, other in table.items() if other == row), row)
 
     def elements(self, text, line):
         return self.rows(text, line, self.model.element_sets, "element", self.row_of_element)
 
     def read_set(self, card, members, kind):
-        table = self.row_of_node if kind == "node" else self.row_of_element
-        in_own_numbers = self.level == "assembly" and not card.has("INSTANCE")  # of reference points
+        table = self.nodes_here("", card.has("INSTANCE")) if kind == "node" else self.elements_here(card)
         for line, entries in card.data:
             if card.has("GENERATE"):
                 first, last, step = (whole(entries[k] if k < len(entries) and entries[k] else "1", line, self.diagnostics, "a limit of the set") for k in range(3))
                 if (last - first) // max(step, 1) > len(table):
                     raise self.diagnostics.wrong(line, "the range has more numbers than the file has nodes or elements before it")
-                if not in_own_numbers:
-                    members += [table[label] for label in range(first, last + 1, max(step, 1)) if label in table]
+                members += [table[label] for label in range(first, last + 1, max(step, 1)) if label in table]
                 continue
             for entry in entries:
-                if entry and not (in_own_numbers and entry.isdigit()):
+                if entry.isdigit():
+                    members += [table[int(entry)]] if int(entry) in table else []
+                elif entry:
                     members += (self.nodes if kind == "node" else self.elements)(entry, line)
         members[:] = dict.fromkeys(members)
 

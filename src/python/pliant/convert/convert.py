@@ -105,7 +105,10 @@ def input_of(model, mesh, system, mesh_file, diagnostics):
     constraints, loads = [], []
     for selection, keys in model.constraints:
         groups = groups_of(model, selection)
-        named = {} if len(groups) == 1 and "surface" in groups[0] else {"name": selection.name}  # else without a column in the history
+        named = {} if selection is None or len(groups) == 1 and "surface" in groups[0] else {"name": selection.name}  # else without a column in the history
+        if "rigid" in keys and len(groups) != 1:
+            diagnostics.missing(None, f"the nodes of {selection.name} move as a rigid part in the model, and are not one surface or volume: left out")
+            continue
         constraints += [{**named, **group, **keys} for group in groups]
     for selection, keys in model.loads:
         loads += [{**group, **keys} for group in groups_of(model, selection)]

@@ -102,7 +102,7 @@ class Course:
 
 
 def number(value):
-    return f"{value:.12g}"
+    return f"{value + 0.0:.12g}"  # -0 is 0
 
 
 def term(s, unit, unit_of_time):

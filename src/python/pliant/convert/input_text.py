@@ -62,6 +62,7 @@ class InputText:
             if body.viscosity:
                 yield "    viscosity:"
                 yield from (f"      - {self.flow(branch)}" for branch in body.viscosity)
+        yield from self.entries("rigid_bodies", model.rigid_bodies)
         yield from self.entries("constraints", constraints)
         yield from self.entries("loads", loads)
         if model.initial_velocity is not None:

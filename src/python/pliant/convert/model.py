@@ -63,7 +63,7 @@ class Quantity:
 
 STRESS, DENSITY, LENGTH, TIME = (1, -1, -2), (1, -3, 0), (0, 1, 0), (0, 0, 1)
 VELOCITY, ACCELERATION, FORCE, FORCE_DENSITY, RATE = (0, 1, -1), (0, 1, -2), (1, 1, -2), (1, -2, -2), (0, 0, -1)
-STIFFNESS = (1, 0, -2)
+STIFFNESS, TORQUE = (1, 0, -2), (1, 2, -2)
 
 
 @dataclasses.dataclass
@@ -104,12 +104,18 @@ class Model:
     constraints: list = dataclasses.field(default_factory=list)  # (Selection, keys)
     loads: list = dataclasses.field(default_factory=list)  # (Selection or None, keys)
     nodal_forces: list = dataclasses.field(default_factory=list)  # (name of a node set, course or None for each component), on each node
+    rigid_bodies: list = dataclasses.field(default_factory=list)  # keys of each
     initial_velocity: Any = None
     time: dict = dataclasses.field(default_factory=dict)
     end: float = 0.0
     step_ends: list = dataclasses.field(default_factory=list)
     units: "str | None" = None
     dimensions: dict = dataclasses.field(default_factory=dict)  # of the groups of node sets, by name
+
+    def new_name(self, stem):
+        """A name that nothing has yet: stem_1, ..."""
+        taken = {*self.node_sets, *self.surfaces, *self.element_sets, *(body["name"] for body in self.rigid_bodies)}
+        return next(f"{stem}_{k}" for k in range(1, len(taken) + 2) if f"{stem}_{k}" not in taken)
 
 
 def lame(young, poisson):
