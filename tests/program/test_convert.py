@@ -463,6 +463,19 @@ class Decks(ConvertTest):
         self.assertEqual(config, yaml.safe_load(re.sub(r"\b(right1|end1|left1|cube1)\b", r'"my, \1"', yaml.safe_dump(usual))))
         self.pliant("check", "cubes.yaml")
 
+    def test_names_of_the_converter_are_not_those_of_the_user(self):
+        """A user's sets have the names that the converter would give, and other members."""
+        text = abaqus_cubes(["*ELASTIC\n1e6, 0.\n"], "*STATIC\n1., 1.\n*BOUNDARY\nend1, 2, 3\n*DLOAD\ncube1, P4, -1.\n*DSLOAD\ncube1_P4, P, 3.\n*CLOAD\n11, 1, 2.\n14, 1, 5.\nedge, 1, 7\n",
+                            "*NSET, NSET=end1\n11\n*NSET, NSET=end1_nodes\n14, 15\n*SURFACE, NAME=cube1_P4\ncube1, S1\n*NSET, NSET=nodes_1\n16\n*NSET, NSET=edge\n10, 11, 15, 13\n"
+                            "*NSET, NSET=edge_points\n9\n")
+        config, _ = self.convert("cubes.inp", text.replace("*STEP, NLGEOM", "*STEP"))
+        self.assertIn({"surface": "cube1_P4_1", "traction": [1, 0, 0]}, config["loads"])
+        self.assertIn({"surface": "cube1_P4", "traction": [0, 0, 3]}, config["loads"])
+        self.assertIn({"point": "end1_nodes_2", "name": "end1", "displacement": ["free", 0, 0]}, config["constraints"])
+        self.assertAlmostEqual(self.history("cubes.yaml")["left1_fx"][-1], -1 - 2 - 5 - 4 * 7, delta=1e-6)
+        second = febio_cubes([("neo-Hookean", "<E>1e6</E><v>0.3</v>")], "").replace("<Surface", '<NodeSet name="left1">9</NodeSet><Surface')
+        self.fails(second, "cubes.feb:\\d+: a second NodeSet has the name 'left1'", "cubes.feb")
+
     def test_other_files(self):
         """They are next to the deck, or to the file that names them; data may come from a file of their own."""
         text = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"], pulled(1))

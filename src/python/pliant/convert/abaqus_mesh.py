@@ -6,6 +6,7 @@ import numpy as np
 
 from .abaqus_deck import real, whole
 from .cells import KINDS
+from .model import free_name
 
 # Prefix of a type; the rest of its name are letters (reduced integration, hybrid, ...).
 SOLIDS = {"C3D4": "tetrahedron", "C3D5": "pyramid", "C3D6": "wedge", "C3D8": "brick", "C3D10": "quadratic tetrahedron",
@@ -62,7 +63,10 @@ class AbaqusMesh:
         """The same for a set that is defined here."""
         own, of_part = self.parted(name)
         key, other = (kind, of_part, own.upper()), (kind, not of_part, own.upper())
-        return self.names.setdefault(key, own + ("_part" if of_part else "_assembly") if other in self.names else own)
+        if key not in self.names:
+            taken = {name for (kind_there, *_), name in self.names.items() if kind_there == kind}
+            self.names[key] = free_name(own + ("_part" if of_part else "_assembly"), taken) if other in self.names else own
+        return self.names[key]
 
     def parted(self, name):
         """A name without its instance, and whether it is one of the part."""

@@ -8,7 +8,7 @@ from . import abaqus, febio, forces, msh
 from ..command_line import Parser, exit_code
 from .input_text import InputText
 from .mesh import Mesh
-from .model import Diagnostics
+from .model import Diagnostics, free_name
 from .units import SYSTEMS, factor
 
 READERS = {".inp": abaqus.read, ".feb": febio.read}
@@ -82,9 +82,13 @@ def mesh_of(model, diagnostics):
             mesh.name_elements(name, present & set(rows))
     for name, faces in model.surfaces.items():
         mesh.name_faces(name, faces)
+    taken = {*model.node_sets, *model.surfaces, *model.element_sets}
     for name, rows in model.node_sets.items():
-        taken = [KEYS[d] for d in (3, 2) if name in mesh.groups[d]]
-        model.node_sets[name] = (name + "_nodes" if taken else name, rows)
+        new = name
+        if any(name in mesh.groups[dimension] for dimension in (3, 2)):
+            new = free_name(f"{name}_nodes", taken)
+            taken.add(new)
+        model.node_sets[name] = (new, rows)
     model.dimensions = {new: mesh.name_nodes(new, rows) for new, rows in model.node_sets.values()}
     return mesh
 

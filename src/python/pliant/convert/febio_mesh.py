@@ -5,6 +5,7 @@ import re
 import numpy as np
 
 from .cells import KINDS
+from .model import free_name
 
 SOLIDS = {"tet4": "tetrahedron", "tet10": "quadratic tetrahedron", "tet15": "quadratic tetrahedron", "hex8": "brick", "hex20": "quadratic brick",
           "hex27": "quadratic brick", "penta6": "wedge", "penta15": "quadratic wedge", "pyra5": "pyramid", "pyra13": "quadratic pyramid"}
@@ -23,6 +24,7 @@ class FebioMesh:
         section = root.child("Mesh") or root.child("Geometry")
         if section is None:
             raise diagnostics.wrong(root.line, "the model has no mesh in this file (Mesh, or Geometry)")
+        self.given_names = {node.get("name") for node in section.children}
         for nodes in section.each("Nodes"):
             self.read_nodes(nodes.use(), points)
         model.points = np.array(points)
@@ -30,6 +32,7 @@ class FebioMesh:
             self.read_elements(elements.use())
         if self.left_out:
             diagnostics.omit(section.line, "elements of types without a counterpart: " + ", ".join(f"{n} {kind}" for kind, n in self.left_out.items()))
+        self.check_names(section)
         for node_set in section.each("NodeSet"):
             model.node_sets[node_set.get("name")] = [self.row_of_node[label] for label in self.labels(node_set) if label in self.row_of_node]
         for element_set in section.each("ElementSet"):
@@ -49,6 +52,15 @@ class FebioMesh:
         for domain in domains.children if domains else ():
             domain.used = True
             self.read_domain(domain)
+
+    def check_names(self, section):
+        """Names of one kind are not given twice, as FEBio wants it."""
+        seen = set()
+        for node in section.children:
+            key = (node.tag, node.get("name"))
+            if node.tag in ("NodeSet", "ElementSet", "Surface", "SurfacePair") and key in seen:
+                raise self.diagnostics.wrong(node.line, f"a second {node.tag} has the name '{key[1]}'")
+            seen.add(key)
 
     def whole(self, text, line):
         try:
@@ -84,7 +96,7 @@ class FebioMesh:
             rows.append(len(self.model.elements))
             self.model.kinds.append(kind)
             self.model.elements.append([self.row_of_node[label] for label in labels[:count]])
-        name = elements.get("name") or elements.get("elset") or f"part_{len(self.material_of) + 1}"
+        name = elements.get("name") or elements.get("elset") or free_name(f"part_{len(self.material_of) + 1}", self.given_names)
         self.name_element_set(name, rows)
         self.material_of[name] = (elements.get("mat"), elements.line)
 
@@ -129,8 +141,9 @@ class FebioMesh:
         else:
             return None
         rows = list(dict.fromkeys(rows))
-        if self.model.node_sets.get(name, rows) != rows:
-            name = f"{name}_of_{kind}"  # a node set has this name
+        if self.model.node_sets.get(name, rows) != rows:  # a node set has this name
+            others = {other for other, members in self.model.node_sets.items() if members != rows}
+            name = free_name(f"{name}_of_{kind}", others)
         self.model.node_sets.setdefault(name, rows)
         return name
 

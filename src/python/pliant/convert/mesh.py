@@ -2,6 +2,7 @@
 import numpy as np
 
 from .cells import KINDS, tetrahedra_of, triangles_of
+from .model import free_name
 
 TETRAHEDRON_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3))  # gmsh's order of the nodes on them
 TRIANGLE_EDGES = ((0, 1), (1, 2), (2, 0))
@@ -148,7 +149,7 @@ class Mesh:
         there = self.groups[0].get(name)
         if there is not None and len(np.concatenate(there)) == len(rows):
             return name
-        name = name if there is None else name + "_points"
+        name = name if there is None else free_name(name + "_points", set().union(*self.groups.values()))
         self._name(0, name, rows)
         return name
 

@@ -118,6 +118,12 @@ class Model:
         return next(f"{stem}_{k}" for k in range(1, len(taken) + 2) if f"{stem}_{k}" not in taken)
 
 
+def free_name(name, taken):
+    """The name, or one like it that is not among those taken."""
+    names = (name if k == 1 else f"{name}_{k}" for k in range(1, len(taken) + 2))
+    return next(new for new in names if new not in taken)
+
+
 def lame(young, poisson):
     """Shear modulus and Lame's first parameter."""
     return young / (2 * (1 + poisson)), young * poisson / ((1 + poisson) * (1 - 2 * poisson))
