@@ -637,5 +637,58 @@ class References(ConvertTest):
             self.assertNotIn("loads", config)
 
 
+class Febio(ConvertTest):
+    """Steps, load curves and sections of FEBio."""
+
+    CUBE = [("neo-Hookean", "<density>1</density><E>1e6</E><v>0.3</v>")]
+    CONTROL = "<Control><analysis>STATIC</analysis><time_steps>2</time_steps><step_size>0.5</step_size></Control>"
+
+    def steps(self, *contents):
+        steps = "".join(f'<step id="{k}">{self.CONTROL}{content}</step>' for k, content in enumerate(contents, 1))
+        return re.sub(r"<Control>.*?</Control>\n", "", febio_cubes(self.CUBE, ""), count=1).replace("</febio_spec>", f"<Step>{steps}</Step></febio_spec>")
+
+    @staticmethod
+    def pull(value, more=""):
+        return f'<Boundary><bc type="prescribed displacement" node_set="right1"><dof>x</dof><value lc="1">{value}</value>{more}</bc></Boundary>'
+
+    def test_displacements_of_steps(self):
+        """Those that begin or end in a step on the way are named; relative ones start where the step before ends."""
+        _, said = self.convert("cubes.feb", self.steps(self.pull(0.1), self.pull(0.2), ""))
+        self.assertIn("the displacement of right1 in x is released at the end of its step, t = 2", said)
+        config, said = self.convert("cubes.feb", self.steps("", self.pull(0.2)))
+        self.assertIn("a displacement of right1 in x that is prescribed from t = 1 on: a constraint holds from the start of a run, and this one is left out", said)
+        self.assertEqual(len(config["constraints"]), 3)
+        config, said = self.convert("cubes.feb", self.steps(self.pull(0.1), self.pull(0.2, "<relative>1</relative>")).replace("<pt>1,1</pt>", "<pt>1,1</pt><pt>2,3</pt>"))
+        self.assertNotIn("not complete", said)
+        self.assertEqual(config["constraints"][-1]["displacement"][0], "t < 1 ? 0.1*t : 0.3 + 0.4*(t - 1)")
+
+    def test_load_curves(self):
+        curve = "<interpolate>LINEAR</interpolate><points><pt>0,0</pt><pt>1,1</pt></points>"
+        for interpolate, extend, points, expected in (
+                ("LINEAR", "REPEAT", "0,0 0.25,1 0.5,0", "t < 0.25 ? 1.6*t : t < 0.5 ? 0.4 - 1.6*(t - 0.25) : t < 0.75 ? 1.6*(t - 0.5) : 0.4 - 1.6*(t - 0.75)"),
+                ("LINEAR", "REPEAT OFFSET", "0,0 0.25,0.5 0.5,1", "t < 0.25 ? 0.8*t : t < 0.5 ? 0.2 + 0.8*(t - 0.25) : t < 0.75 ? 0.4 + 0.8*(t - 0.5) : 0.6 + 0.8*(t - 0.75)"),
+                ("LINEAR", "EXTRAPOLATE", "0.25,0 0.5,1", "t < 0.25 ? -0.4 + 1.6*t : t < 0.5 ? 1.6*(t - 0.25) : 0.4 + 1.6*(t - 0.5)"),
+                ("LINEAR", "CONSTANT", "0,0 0.5,1", "t < 0.5 ? 0.8*t : 0.4"), ("STEP", "EXTRAPOLATE", "0,0 0.5,1 1,3", "t < 0.5 ? 0.4 : 1.2")):
+            with self.subTest((interpolate, extend)):
+                table = "".join(f"<pt>{point}</pt>" for point in points.split())
+                new = f"<interpolate>{interpolate}</interpolate><extend>{extend}</extend><points>{table}</points>"
+                config, said = self.convert("cubes.feb", febio_cubes(self.CUBE, febio_pull(1)).replace(curve, new))
+                self.assertNotIn("not complete", said)
+                self.assertEqual(config["constraints"][-1]["displacement"][0], expected)
+        new = curve.replace("</interpolate>", "</interpolate><extend>REPEAT</extend>").replace("<pt>1,1</pt>", "<pt>0.001,1</pt>")
+        _, said = self.convert("cubes.feb", febio_cubes(self.CUBE, febio_pull(1)).replace(curve, new))
+        self.assertIn("the load curve 1 repeats more than 50 times", said)
+
+    def test_what_changes_the_result_is_not_complete(self):
+        good = febio_cubes(self.CUBE, febio_pull(1))
+        for text, words in ((good.replace("</Boundary>", '<bc type="rigid" node_set="left1"><rb>2</rb></bc></Boundary>'), "<bc type=rigid>"),
+                            (good.replace("<Loads>", "<Rigid><rigid_bc/></Rigid><Loads>"), "<Rigid>"),
+                            (good.replace("</Mesh>", '</Mesh><MeshData><ElementData var="mat_axis"/></MeshData>'), "<MeshData>")):
+            _, said = self.convert("cubes.feb", text)
+            self.assertIn(words, said)
+            self.assertIn("not complete", said)
+        self.fails(good.replace("<Boundary>", '<Boundary from="x.feb">'), "cubes.feb:\\d+: <Boundary> is in another file, 'x.feb'", "cubes.feb")
+
+
 if __name__ == "__main__":
     unittest.main()

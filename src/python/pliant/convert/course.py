@@ -1,6 +1,7 @@
 """Functions of time: amplitudes and load curves as formulas of t."""
 import bisect
 import dataclasses
+import math
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,6 +46,17 @@ class Course:
 
     def scaled(self, factor):
         return Course(tuple(dataclasses.replace(s, first=s.first * factor, last=s.last * factor) for s in self.segments))
+
+    def raised(self, by):
+        return Course(tuple(dataclasses.replace(s, first=s.first + by, last=s.last + by) for s in self.segments))
+
+    def repeated(self, until, offset):
+        """The same again and again after its end, each time starting at its last value with `offset`, up to the time `until`."""
+        length, rise = self.segments[-1].end - self.segments[0].start, self.segments[-1].last - self.segments[0].first if offset else 0.0
+        segments = list(self.segments)
+        for k in range(1, math.ceil((until - self.segments[-1].end) / length) + 1):
+            segments += self.shifted(k * length).raised(k * rise).segments
+        return Course(tuple(segments))
 
     def within(self, start, end):
         """The same from `start` to `end`; a smooth segment that is cut becomes a chain of linear ones."""

@@ -19,6 +19,9 @@ WITHOUT_EFFECT = ("plot_zero_state", "plot_range", "plot_level", "output_level",
                   "restart", "symmetric_stiffness", "max_refs", "max_ups", "dtol", "etol", "rtol", "lstol", "lsmin", "lsiter", "optimize_bw",
                   "min_residual", "qnmethod", "rhoi", "diverge_reform", "reform_each_time_step", "cmax", "linear_solver", "integration", "alpha", "beta", "gamma",
                   "plot_interval", "plot_level", "print_level", "bwopt", "ignore_missing_nodes")
+# Sections whose entries change the result.
+DECISIVE = {"Boundary", "Loads", "Initial", "Constraints", "Rigid", "Contact", "Discrete", "MeshData", "MeshAdaptor", "bc", "fix", "prescribe", "surface_load", "nodal_load",
+            "body_load", "edge_load", "ic", "init", "constraint", "rigid_bc", "rigid_load", "rigid_connector", "rigid_body", "contact", "Step", "step"}
 INTERPOLATIONS = {"LINEAR": "linear", "STEP": "step", "SMOOTH STEP": "smooth"}
 
 
@@ -31,6 +34,10 @@ def read(file, diagnostics):
     if not version.replace(".", "", 1).isdigit() or float(version) < OLDEST:
         raise diagnostics.wrong(root.line, f"the version {version or 'of the file'} is too old: open it in FEBio Studio and save it in version 4")
     root.used = True
+    for section in (root, *root.children):
+        for node in (section, *section.children):
+            if node.get("from"):
+                raise diagnostics.wrong(node.line, f"<{node.tag}> is in another file, '{node.get('from')}': put it into this one (FEBio Studio writes one file)")
     module = root.child("Module")
     if module is not None and module.get("type") not in ("", "solid"):
         raise diagnostics.wrong(module.line, f"the module '{module.get('type')}' is not supported: only 'solid' is")
@@ -68,12 +75,18 @@ def read_curves(root, diagnostics):
         if interpolation not in INTERPOLATIONS and len(pairs) > 2:
             diagnostics.note(node.line, f"load curve {node.get('id')} is linear between its points, not {interpolation}")
         course = Course.through(pairs, INTERPOLATIONS.get(interpolation, "linear"))
-        if extend == "EXTRAPOLATE" and len(course.segments) and course.segments[-1].end > course.segments[-1].start:
-            last = course.segments[-1]
-            far = last.end + 1e6 * (last.end - last.start)
-            course = Course((*course.segments, Segment(last.end, far, last.last, last.last + 1e6 * (last.last - last.first))))
+        if extend == "EXTRAPOLATE" and len(pairs) > 1 and interpolation not in ("STEP", "SMOOTH STEP"):
+            course = extrapolated(course)
         curves[node.get("id")] = (course, extend if extend in ("REPEAT", "REPEAT OFFSET") else "")
     return curves
+
+
+def extrapolated(course):
+    """With the slopes of its ends before and after."""
+    first, last = course.segments[0], course.segments[-1]
+    far = last.end + 1e6 * (last.end - last.start)
+    before = (Segment(0.0, first.start, first.first - (first.last - first.first) * first.start / (first.end - first.start), first.first),) if first.start > 0 else ()
+    return Course((*before, *course.segments, Segment(last.end, far, last.last, last.last + 1e6 * (last.last - last.first))))
 
 
 def pair_of(point, diagnostics):
@@ -166,4 +179,5 @@ def list_the_rest(root, mesh, diagnostics):
             continue
         if node.tag == "symmetric_stiffness" or not node.children and node.text in ("", "0") and not node.attributes:
             continue
-        diagnostics.omit(node.line, f"<{node.tag}{f' type={kind}' if kind else ''}{f' name={name}' if name else ''}>" + (f": {reason}" if reason else ""))
+        listed = diagnostics.missing if node.tag in DECISIVE else diagnostics.omit
+        listed(node.line, f"<{node.tag}{f' type={kind}' if kind else ''}{f' name={name}' if name else ''}>" + (f": {reason}" if reason else ""))

@@ -6,6 +6,7 @@ from .course import Course, Segment
 from .model import ACCELERATION, LENGTH, STRESS, VELOCITY, Quantity, Selection
 
 COMPONENTS = {"x": 0, "y": 1, "z": 2, "u": 0, "v": 1, "w": 2}
+MOST_REPEATS = 50  # of a load curve, as a formula
 ROTATIONS = {"sx", "sy", "sz", "Rx", "Ry", "Rz", "U", "V", "W"}
 
 
@@ -16,6 +17,7 @@ class FebioConditions:
         self.root, self.model, self.mesh, self.curves, self.diagnostics = root, model, mesh, curves, diagnostics
         self.prescribed = {}  # name of a set -> {component: course}
         self.window = None  # of the present step, None: all of the time
+        self.of_step = {}  # displacements of the present step: {name of a set: {component: line}}
         self.forces = {}
 
     def read(self):
@@ -24,11 +26,19 @@ class FebioConditions:
         for k, step in enumerate(steps):
             start = self.model.step_ends[k - 1] if k else 0.0
             self.window = (start, self.model.step_ends[k]) if len(steps) > 1 else None
-            if self.window and k == 0 and step.child("Boundary") is not None:
-                self.diagnostics.missing(step.line, "displacements prescribed in the first step are released in the next one, and remain prescribed here")
+            before, self.of_step = self.of_step, {}
             self.read_sections(step)
+            self.list_released(before, start)
         add_prescribed(self.model, self.diagnostics, self.prescribed, Quantity)
         self.model.nodal_forces = [(name, [components.get(c) for c in range(3)]) for name, components in self.forces.items()]
+
+    def list_released(self, before, time):
+        """Displacements of the step before end with it in FEBio."""
+        for name, components in before.items():
+            ended = [axis for axis, c in zip("xyz", range(3)) if c in components and c not in self.of_step.get(name, ())]
+            if ended:
+                self.diagnostics.missing(min(components.values()), f"the displacement of {name} in {', '.join(ended)} is released at the end of its step, t = {time:g}: "
+                                         "a constraint holds to the end of a run, and it remains")
 
     def read_sections(self, owner):
         for section, read in (("Boundary", self.read_boundary), ("Loads", self.read_load), ("Initial", self.read_initial), ("Constraints", self.read_constraint)):
@@ -59,8 +69,12 @@ class FebioConditions:
             return None
         else:
             course, repeats = self.curves[curve]
-            if repeats and course.segments[-1].end < self.model.end:
-                self.diagnostics.missing(node.line, f"the load curve {curve} repeats: write its formula of t into the input")
+            first, last = course.segments[0].start, course.segments[-1].end
+            if repeats and first < last < self.model.end:
+                if self.model.end - last > MOST_REPEATS * (last - first):
+                    self.diagnostics.missing(node.line, f"the load curve {curve} repeats more than {MOST_REPEATS} times: write its formula of t into the input")
+                    return None
+                course = course.repeated(self.model.end, repeats == "REPEAT OFFSET")
             course = course.scaled(value)
         return self.windowed(course) if self.window and is_load else course
 
@@ -119,23 +133,27 @@ class FebioConditions:
     def read_prescribed(self, node, name):
         dof, value, relative = node.child("dof"), node.child("value") or node.child("scale"), node.child("relative")
         letters = self.letters(node, dof.text if dof is not None else node.get("bc"))
-        if relative is not None and relative.text not in ("0", ""):
-            self.diagnostics.note(node.line, "a displacement relative to the one at the start of its step is taken from the undeformed shape")
+        is_relative = relative is not None and relative.text not in ("0", "")
         course = self.course(value, is_load=False) if value is not None else Course.constant(0.0)
         if course is not None:
-            self.prescribe(node, name, letters, course)
+            self.prescribe(node, name, letters, course, is_relative)
 
-    def prescribe(self, node, name, letters, course):
+    def prescribe(self, node, name, letters, course, is_relative=False):
+        """`is_relative`: to what the displacement is at the start of the step."""
         components = self.prescribed.setdefault(name, {})
         for letter in letters:
             c = COMPONENTS[letter]
             if self.window and self.window[0] > 0:
                 if c not in components:
-                    self.diagnostics.missing(node.line, f"a displacement of {name} that is prescribed from t = {self.window[0]:g} on: constraints hold from the start")
+                    self.diagnostics.missing(node.line, f"a displacement of {name} in {letter} that is prescribed from t = {self.window[0]:g} on: a constraint holds from the "
+                                             "start of a run, and this one is left out")
                     continue
-                components[c] = components[c].within(0.0, self.window[0]).followed_by(course.within(*self.window))
+                here = course.raised(components[c].at(self.window[0])) if is_relative else course
+                components[c] = components[c].within(0.0, self.window[0]).followed_by(here.within(*self.window))
             else:
                 components[c] = course.within(*self.window) if self.window else course
+            if self.window:
+                self.of_step.setdefault(name, {})[c] = node.line
         if not components:
             del self.prescribed[name]
 
