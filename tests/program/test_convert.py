@@ -493,6 +493,36 @@ class Decks(ConvertTest):
         self.fails(text.replace(material, "*INCLUDE\n"), r"cubes.inp:\d+: \*INCLUDE: the name of the file \(INPUT=...\) is missing")
         self.fails(text.replace("*ELEMENT, TYPE=C3D8, ELSET=cube1", "*ELEMENT, TYPE=C3D8, ELSET=cube1,"), "cubes.inp:13: '1' is read as a parameter of \\*ELEMENT")
 
+    def test_numbers_and_names_that_are_not_there(self):
+        """Elements and nodes have one meaning; members of sets that the file does not have are named."""
+        text = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"], pulled(1) + "*DSLOAD\nend1, P, 2.\n")
+        usual, _ = self.convert("cubes.inp", text)
+        again = "*ELEMENT, TYPE=C3D8, ELSET=other\n1, 9, 10, 11, 12, 13, 14, 15, 16\n"
+        config, said = self.convert("cubes.inp", text.replace("*MATERIAL", again + "*MATERIAL"))
+        self.assertEqual((config, "not complete" in said), (usual, False))
+        self.fails(text.replace("*MATERIAL", again.replace("9, 10, 11, 12", "10, 11, 12, 9") + "*MATERIAL"), r"cubes.inp:\d+: a second element has the number 1")
+        _, said = self.convert("cubes.inp", text.replace("NSET=left1\n", "NSET=left1\n99, "))
+        self.assertIn("*NSET: 1 of its numbers, the first one 99, are not nodes of the file", said)
+        self.fails(text.replace("end1, P", "ned1, P"), r"cubes.inp:\d+: the surface 'ned1' is not defined before this line")
+        self.fails("*PARAMETER\na = 1.\n" + text, r"cubes.inp:1: \*PARAMETER: names of numbers are not supported")
+        self.fails(text.replace("right1, 1, 1", "right1, 3, 1"), r"cubes.inp:\d+: the last degree of freedom, 1, is below the first, 3")
+        joined = text.replace("*MATERIAL", "*SURFACE, NAME=both, COMBINE=UNION\nend1, end1\n*MATERIAL").replace("end1, P", "both, P")
+        self.assertEqual(self.convert("cubes.inp", joined)[0]["loads"], [{"surface": "both", "pressure": "2*t"}])
+        _, said = self.convert("cubes.inp", joined.replace("UNION", "DIFFERENCE"))
+        self.assertIn("*SURFACE, COMBINE=DIFFERENCE: give its faces one by one", said)
+        self.assertIn("*DSLOAD of the type P on both, which has no elements of the input: left out", said)
+        febio = febio_cubes([FEBIO["Yeoh"][0]], "")
+        self.fails(febio.replace('node id="10"', 'node id="9"'), "cubes.feb:\\d+: a second node has the number 9", "cubes.feb")
+        self.fails(re.sub(r"(<elem .*?</elem>)", r"\1\1", febio), "cubes.feb:\\d+: a second element has the number 1", "cubes.feb")
+
+    def test_what_changes_the_result_is_not_complete(self):
+        text = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"], pulled(1))
+        for card, is_complete in (("*ORIENTATION, NAME=o\n1, 0, 0, 0, 1, 0\n", True), ("*SPRING, ELSET=s\n\n1.\n", False), ("*PLASTIC\n1e3, 0.\n", False), ("*MPC\nBEAM, 9, 10\n", False),
+                                  ("*EXPANSION\n1e-5\n", False), ("*ELEMENT, TYPE=S4\n7, 9, 10, 11, 12\n", False), ("*EMBEDDED ELEMENT\ncube1\n", False)):
+            _, said = self.convert("cubes.inp", text.replace("*SOLID SECTION", card + "*SOLID SECTION"))
+            self.assertIn("elements of types" if "S4" in card else card.split(",")[0].split("\n")[0], said)
+            self.assertEqual("not complete" in said, not is_complete, said)
+
 
 def step(content, procedure="*STATIC\n0.5, 1."):
     return f"*END STEP\n*STEP, NLGEOM\n{procedure}\n{content}"

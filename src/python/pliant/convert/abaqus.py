@@ -13,7 +13,10 @@ from .model import Body, Model
 OUTPUT = {"NODEPRINT", "ELPRINT", "NODEFILE", "ELFILE", "OUTPUT", "NODEOUTPUT", "ELEMENTOUTPUT", "CONTACTFILE", "CONTACTPRINT", "CONTACTOUTPUT",
           "SECTIONPRINT", "FACEPRINT", "ENERGYPRINT", "ENERGYOUTPUT", "ENERGYFILE", "FILEOUTPUT", "PREPRINT", "RESTART", "MONITOR", "PRINT",
           "ELEMENTPRINT", "TIMEPOINTS"}
-CONDITIONS = {"EQUATION", "MPC", "TEMPERATURE", "EXPANSION", "CONTACTPAIR", "CONTACT"}
+# What changes nothing by itself: properties of contact, of elements that are named as left out, and axes of isotropic laws.
+WITHOUT_EFFECT = {"SURFACEINTERACTION", "SURFACEBEHAVIOR", "FRICTION", "ORIENTATION", "SHELLSECTION", "BEAMSECTION", "MEMBRANESECTION", "SHELLGENERALSECTION",
+                  "BEAMGENERALSECTION", "PHYSICALCONSTANTS", "DISTRIBUTION", "DISTRIBUTIONTABLE", "CONSTRAINTCONTROLS", "CONTACTINITIALIZATION", "CONDUCTIVITY",
+                  "SPECIFICHEAT", "CONTACTCONTROLS", "CONTACTPROPERTYASSIGNMENT", "CONTACTINCLUSIONS", "SURFACEPROPERTYASSIGNMENT"}
 STRUCTURE = {"PART", "ENDPART", "INSTANCE", "ENDINSTANCE", "ASSEMBLY", "ENDASSEMBLY", "STEP", "ENDSTEP"}
 FIRST = {"NODE": 0, "ELEMENT": 1}
 CONTROLS = {"CONTROLS", "SOLVERCONTROLS", "HOURGLASSSTIFFNESS", "SECTIONCONTROLS"}
@@ -41,6 +44,8 @@ def read(file, diagnostics):
     sections, output, controls = [], [], []
     interaction, friction = "", {}
     for card in in_order(read_cards(file, diagnostics)):
+        if card.keyword == "PARAMETER":
+            raise diagnostics.wrong(card.line, f"{card.title}: names of numbers are not supported: write the numbers in place of <name>")
         if mesh.read(card) or materials.read(card) or rigid.read(card) or conditions.read(card) or steps.read(card):
             continue
         if card.keyword == "HEADING":
@@ -64,10 +69,8 @@ def read(file, diagnostics):
                 names = [[mesh.spelled("surface", name) for name in entries if name] for _, entries in card.data] if card.keyword == "CONTACTPAIR" else []
                 pairs = [(own[0], own[1] if len(own) > 1 and own[1] != own[0] else "", friction.get(card.upper("INTERACTION"))) for own in names if own]
                 diagnostics.missing(card.line, f"{said}: {hint(pairs)}")
-            elif card.keyword in CONDITIONS:
-                diagnostics.missing(card.line, said)
             else:
-                diagnostics.omit(card.line, said)
+                (diagnostics.omit if card.keyword in WITHOUT_EFFECT else diagnostics.missing)(card.line, said)
     mesh.finish()
     for cards, text in ((output, "requests of output: `output` and `probes` of the input"), (controls, "controls of the solver: `solver` of the input")):
         if cards:

@@ -41,6 +41,8 @@ class DistributedLoads:
             on, label = self.mesh.spelled("element", entries[0]), entries[1].upper()
             value = real(entries, 2, line, self.diagnostics, "the magnitude")
             surface = self.mesh.spelled("surface", entries[0])
+            if card.keyword == "DSLOAD":
+                self.mesh.faces_named(entries[0], line)
             if label == "P" and surface in self.model.surfaces:
                 self.change(card, line, ("P", surface, None), value, self.model.surfaces[surface])
             elif re.fullmatch(r"P[1-6]", label):

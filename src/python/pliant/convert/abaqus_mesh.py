@@ -49,7 +49,7 @@ class AbaqusMesh:
             raise self.diagnostics.wrong(1, "the file has no nodes (*NODE)")
         self.model.points = np.array(self.points)
         if self.left_out:
-            self.diagnostics.omit(self.first_left_out, "elements of types without a counterpart: "
+            self.diagnostics.missing(self.first_left_out, "elements of types without a counterpart: "
                                   + ", ".join(f"{count} {name}" for name, count in self.left_out.items()))
 
     def spelled(self, kind, name):
@@ -133,13 +133,20 @@ class AbaqusMesh:
                 rows = [self.row_of_node[label] for label in labels[1:]]
             except KeyError as error:
                 raise self.diagnostics.wrong(line, f"node {error} of element {labels[0]} is not defined before this line") from None
-            self.row_of_element[labels[0]] = len(self.model.elements)
-            members.append(len(self.model.elements))
-            self.model.kinds.append(kind)
-            self.model.elements.append(rows)
+            members.append(self.add_element(labels[0], kind, rows, line))
             labels = []
         if labels:
             raise self.diagnostics.wrong(card.data[-1][0], f"the nodes of element {labels[0]} are incomplete")
+
+    def add_element(self, label, kind, rows, line):
+        """Its row; an element may be repeated as it is, in another set."""
+        row = self.row_of_element.setdefault(label, len(self.model.elements))
+        if row == len(self.model.elements):
+            self.model.kinds.append(kind)
+            self.model.elements.append(rows)
+        elif (self.model.kinds[row], self.model.elements[row]) != (kind, rows):
+            raise self.diagnostics.wrong(line, f"a second element has the number {label}")
+        return row
 
     # ------------------------------------------------------------------ sets
     def node_set(self, name):
@@ -180,6 +187,7 @@ class AbaqusMesh:
 
     def read_set(self, card, members, kind):
         table = self.nodes_here("", card.has("INSTANCE")) if kind == "node" else self.elements_here(card)
+        unknown = []
         for line, entries in card.data:
             if card.has("GENERATE"):
                 first, last, step = (whole(entries[k] if k < len(entries) and entries[k] else "1", line, self.diagnostics, "a limit of the set") for k in range(3))
@@ -190,8 +198,11 @@ class AbaqusMesh:
             for entry in entries:
                 if entry.isdigit():
                     members += [table[int(entry)]] if int(entry) in table else []
+                    unknown += [] if int(entry) in table else [entry]
                 elif entry:
                     members += (self.nodes if kind == "node" else self.elements)(entry, line)
+        if unknown and not (kind == "element" and self.left_out):
+            self.diagnostics.omit(card.line, f"{card.title}: {len(unknown)} of its numbers, the first one {unknown[0]}, are not {kind}s of the file")
         members[:] = dict.fromkeys(members)
 
     def read_node_set(self, card):
@@ -217,10 +228,22 @@ class AbaqusMesh:
             self.diagnostics.omit(card.line, f"{card.title}, TYPE={kind}: an analytical surface is an obstacle of 'contact' in the input")
             return
         faces = self.model.surfaces.setdefault(self.define("surface", name), [])
+        if card.upper("COMBINE", "UNION") != "UNION":
+            self.diagnostics.missing(card.line, f"{card.title}, COMBINE={card.upper('COMBINE')}: give its faces one by one")
+            return
         for line, entries in card.data:
+            if card.has("COMBINE"):
+                faces += [face for entry in entries if entry for face in self.faces_named(entry, line)]
+                continue
             rows = self.elements(entries[0], line)
             side = entries[1].upper() if len(entries) > 1 else ""
             faces += self.outer_faces(rows) if not side else self.sides(rows, side, line)
+
+    def faces_named(self, text, line):
+        name = self.spelled("surface", text)
+        if name not in self.model.surfaces:
+            raise self.diagnostics.wrong(line, f"the surface '{text}' is not defined before this line")
+        return self.model.surfaces[name]
 
     def sides(self, rows, side, line):
         """Faces S1, S2, ... of elements, by their corners."""

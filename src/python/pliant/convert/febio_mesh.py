@@ -31,7 +31,7 @@ class FebioMesh:
         for elements in section.each("Elements"):
             self.read_elements(elements.use())
         if self.left_out:
-            diagnostics.omit(section.line, "elements of types without a counterpart: " + ", ".join(f"{n} {kind}" for kind, n in self.left_out.items()))
+            diagnostics.missing(section.line, "elements of types without a counterpart: " + ", ".join(f"{n} {kind}" for kind, n in self.left_out.items()))
         self.check_names(section)
         for node_set in section.each("NodeSet"):
             model.node_sets[node_set.get("name")] = [self.row_of_node[label] for label in self.labels(node_set) if label in self.row_of_node]
@@ -75,7 +75,10 @@ class FebioMesh:
             if len(x) != 3:
                 raise self.diagnostics.wrong(node.line, f"three coordinates are expected, not '{node.text[:60]}'")
             rows.append(len(points))
-            self.row_of_node[self.whole(node.get("id"), node.line)] = len(points)
+            label = self.whole(node.get("id"), node.line)
+            if label in self.row_of_node:
+                raise self.diagnostics.wrong(node.line, f"a second node has the number {label}")
+            self.row_of_node[label] = len(points)
             points.append(x)
         if nodes.get("name"):
             self.model.node_sets[nodes.get("name")] = rows
@@ -92,7 +95,10 @@ class FebioMesh:
             labels = [self.whole(part, element.line) for part in element.text.split(",")]
             if len(labels) < count or any(label not in self.row_of_node for label in labels):
                 raise self.diagnostics.wrong(element.line, f"element {element.get('id')} needs {count} nodes that are defined")
-            self.row_of_element[self.whole(element.get("id"), element.line)] = len(self.model.elements)
+            label = self.whole(element.get("id"), element.line)
+            if label in self.row_of_element:
+                raise self.diagnostics.wrong(element.line, f"a second element has the number {label}")
+            self.row_of_element[label] = len(self.model.elements)
             rows.append(len(self.model.elements))
             self.model.kinds.append(kind)
             self.model.elements.append([self.row_of_node[label] for label in labels[:count]])
