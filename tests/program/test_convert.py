@@ -168,20 +168,20 @@ class ConvertTest(ProgramTest):
     def convert(self, name, text, *options):
         """The input, as a document, and what was said."""
         self.write(name, text)
-        done = self.pliant("convert", name, "--force", *options)
-        file = done.stdout.split("\n")[0]
-        return yaml.safe_load((self.directory / file).read_text()), done.stderr
+        out, said = io.StringIO(), io.StringIO()
+        with contextlib.chdir(self.directory), contextlib.redirect_stdout(out), contextlib.redirect_stderr(said):
+            converter.convert(converter.parser_of("pliant convert").parse_args([name, "--force", *options]))
+        file = out.getvalue().split("\n")[0]
+        return yaml.safe_load((self.directory / file).read_text()), said.getvalue()
 
     def history(self, name, *settings):
         self.pliant("run", name, "--quiet", "--output", "out", *[word for s in settings for word in ("--set", s)])
         return read_history(self.directory / "out")
 
-    def fails(self, text, words, name="cubes.inp", status=2):
-        """The model is refused with one message."""
-        self.write(name, text)
-        done = self.call("convert", name, "--force")
-        self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (status, "", 1), done.stderr)
-        self.assertRegex(done.stderr, "^pliant convert: " + words)
+    def fails(self, text, words, name="cubes.inp"):
+        """The model is refused with a message."""
+        with self.assertRaisesRegex(PliantError, "^" + words):
+            self.convert(name, text)
 
 
 class Convert(ConvertTest):
@@ -381,8 +381,11 @@ class Convert(ConvertTest):
             self.assertIn("end1 with end2", self.pliant("check", "two.yaml").stdout)
 
     def test_errors(self):
-        def fails(text, words, name="cube.inp"):
-            self.fails(text, words, name)
+        def fails(text, words, name="cube.inp", status=2):
+            self.write(name, text)
+            done = self.call("convert", name, "--force")
+            self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (status, "", 1), done.stderr)
+            self.assertRegex(done.stderr, "^pliant convert: " + words)
 
         good = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"], pulled(1))
         fails("hello\n", "cube.inp:1: the file begins with data")
