@@ -285,7 +285,7 @@ class Convert(ConvertTest):
         np.testing.assert_allclose(history["tip_x"] - 1, np.interp(history["time"], [0, 1, 2, 3], [0, 0.1, 0.05, 0.2]), atol=1e-9)
 
     def test_loads_of_one_step_add_up_and_total_time_continues(self):
-        steps = ("*AMPLITUDE, NAME=total, TIME=TOTAL TIME\n0, 0, 4, 4\n*AMPLITUDE, NAME=other\n0, 0, 1, 1\n*STEP\n*STATIC\n0.5, 1.\n"
+        steps = ("*END STEP\n*AMPLITUDE, NAME=total, TIME=TOTAL TIME\n0, 0, 4, 4\n*AMPLITUDE, NAME=other\n0, 0, 1, 1\n*STEP\n*STATIC\n0.5, 1.\n"
                  "*DSLOAD, FOLLOWER=NO\nend1, TRVEC, 2., 1., 0., 0.\nend1, TRVEC, 3., 1., 0., 0.\n*DSLOAD, FOLLOWER=NO, AMPLITUDE=total\nend2, TRVEC, 2., 1., 0., 0.\n"
                  "*END STEP\n*STEP\n*STATIC\n0.5, 1.\n*DSLOAD, FOLLOWER=NO\nend1, TRVEC, 4., 1., 0., 0.\n*END STEP\n")
         config, said = self.convert("cubes.inp", abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"] * 2, steps))
@@ -295,7 +295,7 @@ class Convert(ConvertTest):
         np.testing.assert_allclose(history["left1_fx"][at], [-5, -4], rtol=1e-9)
         np.testing.assert_allclose(history["left2_fx"][at], [-2, -4], rtol=1e-9)
         twice = "*DSLOAD, FOLLOWER=NO\nend1, TRVEC, 2., 1., 0., 0.\n*DSLOAD, FOLLOWER=NO, AMPLITUDE=other\nend1, TRVEC, 3., 1., 0., 0.\n"
-        steps = "*AMPLITUDE, NAME=other\n0, 0, 1, 1\n*STEP\n*STATIC\n0.5, 1.\n" + twice + "*END STEP\n"
+        steps = "*END STEP\n*AMPLITUDE, NAME=other\n0, 0, 1, 1\n*STEP\n*STATIC\n0.5, 1.\n" + twice + "*END STEP\n"
         _, said = self.convert("cubes.inp", abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"], steps))
         self.assertIn("a second load on the same place, with another amplitude", said)
         self.assertIn("not complete", said)
@@ -577,6 +577,16 @@ class Steps(ConvertTest):
         config, said = self.convert("cubes.inp", abaqus_cubes([self.STIFF], loads))
         self.assertIn("*DSLOAD on a part of what has such a load of an earlier step by another name: left out", said)
         self.assertEqual(len(config["loads"]), 1)
+
+    def test_steps_follow_one_another(self):
+        """A step without its end would begin at the same time as the next one."""
+        steps = pulled(1) + step("")
+        self.fails(abaqus_cubes([self.STIFF], steps.replace("*END STEP\n", "")), r"cubes.inp:\d+: the step before this one, of line \d+, has no \*END STEP")
+        self.fails("*RESTART, READ, STEP=1\n" + abaqus_cubes([self.STIFF], steps), r"cubes.inp:1: \*RESTART, READ: the model is in the files of another run")
+        _, said = self.convert("cubes.inp", abaqus_cubes([self.STIFF], steps).replace("*STEP, NLGEOM", "*STEP", 1))
+        self.assertIn("*STEP, NLGEOM: displacements are large in the input from the first step on", said)
+        _, said = self.convert("cubes.inp", abaqus_cubes(["*HYPERELASTIC, NEO HOOKE\n1e5, 2e-6\n"], steps).replace("*STEP, NLGEOM", "*STEP"))
+        self.assertIn("no step has NLGEOM: displacements are large in the input", said)
 
     def test_perturbations_are_runs_of_their_own(self):
         steps = "*STATIC\n1., 1.\n*CLOAD\n10, 1, 1.\n*END STEP\n*STEP, PERTURBATION\n*STATIC\n*CLOAD\n10, 1, 2.\n"

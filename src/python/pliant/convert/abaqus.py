@@ -52,6 +52,8 @@ def read(file, diagnostics):
             model.title = next((" ".join(" ".join(entries).split()) for _, entries in card.data if any(entries)), model.title)
         elif card.keyword == "SOLIDSECTION":
             sections.append((mesh.spelled("element", card.value("ELSET")), card))
+        elif card.keyword == "RESTART" and card.has("READ"):
+            raise diagnostics.wrong(card.line, f"{card.title}, READ: the model is in the files of another run: convert the file of that run")
         elif card.keyword in OUTPUT:
             output.append(card)
         elif card.keyword in CONTROLS:
@@ -76,6 +78,8 @@ def read(file, diagnostics):
         if cards:
             diagnostics.omit(cards[0].line, f"{', '.join(dict.fromkeys(card.title for card in cards))}: {text}")
     nonlinear = steps.is_nonlinear or any(m.elasticity and not m.is_linear for m in materials.by_name.values())
+    if nonlinear and not steps.is_nonlinear and steps.kind is not None:
+        diagnostics.note(None, "no step has NLGEOM: displacements are large in the input, whose laws are not linear")
     finished = set()
     for name, card in sections:
         name = name if name in model.element_sets else mesh.spelled("element", name)  # a set that is defined after its section

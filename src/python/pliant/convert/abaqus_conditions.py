@@ -178,7 +178,8 @@ class AbaqusConditions:
     # ------------------------------------------------------------------ other conditions
     def read_initial(self, card):
         if card.upper("TYPE") != "VELOCITY":
-            self.diagnostics.omit(card.line, f"{card.title}, TYPE={card.upper('TYPE')}")
+            listed = self.diagnostics.omit if card.upper("TYPE") == "TEMPERATURE" else self.diagnostics.missing  # it acts by *EXPANSION alone
+            listed(card.line, f"{card.title}, TYPE={card.upper('TYPE')}")
             return
         for line, entries in card.data:
             component = whole(entries[1] if len(entries) > 1 else "", line, self.diagnostics, "the degree of freedom")
@@ -186,12 +187,12 @@ class AbaqusConditions:
 
     def read_tie(self, card):
         if card.has("CYCLICSYMMETRY") or card.has("MULTISTAGE"):
-            self.diagnostics.omit(card.line, f"{card.title} of a sector: periodic conditions across a rotation")
+            self.diagnostics.missing(card.line, f"{card.title} of a sector: periodic conditions across a rotation")
             return
         for line, entries in card.data:
             dependent, independent = (self.mesh.spelled("surface", entry) for entry in (entries + [""])[:2])
             if dependent not in self.model.surfaces or independent not in self.model.surfaces:
-                self.diagnostics.omit(line, f"{card.title} of surfaces that are not made of faces of elements")
+                self.diagnostics.missing(line, f"{card.title} of surfaces that are not made of faces of elements")
                 continue
             keys = {"tied_to": independent}
             if card.value("POSITIONTOLERANCE"):

@@ -31,6 +31,8 @@ class AbaqusSteps:
         return True
 
     def begin_step(self, card):
+        if self.in_step:
+            raise self.diagnostics.wrong(card.line, f"the step before this one, of line {self.step_card.line}, has no *END STEP")
         self.in_step, self.step_card = True, card
         self.step_is_nonlinear = card.has("NLGEOM") and card.upper("NLGEOM") != "NO"
         self.skipped = False
@@ -70,6 +72,8 @@ class AbaqusSteps:
             raise self.diagnostics.wrong(line, "the length of the step must be above 0")
         self.end = self.start + period
         self.num_steps += 1
+        if self.step_is_nonlinear and not self.is_nonlinear and self.num_steps > 1:
+            self.diagnostics.note(self.step_card.line, f"{self.step_card.title}, NLGEOM: displacements are large in the input from the first step on")
         self.is_nonlinear = self.is_nonlinear or self.step_is_nonlinear
         self.rates.append("long term" if card.has("LONGTERM") else "none" if card.keyword == "STATIC" else "all")
         if card.has("EXPLICIT"):
