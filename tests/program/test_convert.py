@@ -705,6 +705,39 @@ class Febio(ConvertTest):
         self.assertNotIn("not complete", said)
         self.assertEqual(config["constraints"][-1]["displacement"][0], "t < 1 ? 0.1*t : 0.3 + 0.4*(t - 1)")
 
+    def glued(self, rigid, more=""):
+        """A soft cube that is held on the left, and a rigid one on its right."""
+        text = febio_cubes([*self.CUBE, ("rigid body", f"<density>1000</density>{more}")], "")
+        text = text.replace('<elem id="2">17,18,19,20,21,22,23,24</elem>', '<elem id="2">10,18,19,11,14,22,23,15</elem>')
+        text = re.sub(r'<node id="(1[789]|2\d)">([\d.]+),([\d.]+),', lambda m: f'<node id="{m[1]}">{float(m[2]) + 1},{float(m[3]) - 3},', text)
+        text = re.sub(r'<bc type="zero displacement" node_set="(?!left1).*?</bc>\n', "", text)
+        text = text.replace("<x_dof>1</x_dof>", "<x_dof>1</x_dof><y_dof>1</y_dof><z_dof>1</z_dof>")
+        return text.replace("<Loads>", f"<Rigid>{rigid}</Rigid><Loads>")
+
+    def test_rigid_bodies(self):
+        """A force has the displacement that takes it; a displacement of the older version is the same."""
+        guided = '<rigid_bc type="rigid_fixed"><rb>rubber2</rb>' + "".join(f"<R{axis}_dof>1</R{axis}_dof>" for axis in "yzuvw") + "</rigid_bc>"
+        move = '<rigid_bc type="rigid_displacement"><rb>2</rb><dof>x</dof><value lc="1">0.2</value></rigid_bc>'
+        config, said = self.convert("cubes.feb", self.glued(guided + move))
+        self.assertNotIn("not complete", said)
+        self.assertEqual(config["bodies"][1], {"volume": "cube2", "density": 1000, "rigid": True})
+        motion = {"translation": ["0.2*t", 0, 0], "rotation": "fixed", "center": [1.5, 3.5, 0.5]}
+        self.assertEqual(config["constraints"][-1], {"name": "cube2", "volume": "cube2", "rigid": motion})
+        force = self.history("cubes.yaml")["cube2_fx"][-1]
+        older = (guided + move).replace("rigid_bc", "rigid_constraint").replace("rigid_fixed", "fix").replace("rigid_displacement", "prescribe").replace("<dof>x", "<dof>Rx")
+        older = re.sub(r"<Ry_dof>.*?(?=</rigid)", "<dofs>Ry,Rz,Ru,Rv,Rw</dofs>", older, count=1)
+        self.assertEqual(self.convert("cubes.feb", self.glued(older))[0], config)
+        push = f'<rigid_load type="rigid_force"><rb>2</rb><dof>Rx</dof><value lc="1">{force}</value><load_type>0</load_type></rigid_load>'
+        self.convert("cubes.feb", self.glued(guided + push))
+        self.assertAlmostEqual(self.history("cubes.yaml")["cube2_x"][-1], 1.7, delta=1e-6)
+        turn = '<rigid_bc type="rigid_rotation"><rb>2</rb><dof>Ru</dof><value lc="1">0.3</value></rigid_bc>'
+        config, _ = self.convert("cubes.feb", self.glued(guided + turn, "<center_of_mass>1,2,3</center_of_mass>"))
+        self.assertEqual(config["constraints"][-1]["rigid"], {"translation": ["free", 0, 0], "rotation": {"axis": [1, 0, 0], "angle": "0.3*t"}, "center": [1, 2, 3]})
+        for entry in (push.replace("<load_type>0", "<load_type>1"), push + push, '<rigid_connector type="rigid spherical joint"><body_a>2</body_a></rigid_connector>', turn.replace("2</rb>", "7</rb>")):
+            _, said = self.convert("cubes.feb", self.glued(guided + entry))
+            self.assertIn("it has no counterpart, or stands in one of several steps", said)
+            self.assertIn("not complete", said)
+
     def test_load_curves(self):
         curve = "<interpolate>LINEAR</interpolate><points><pt>0,0</pt><pt>1,1</pt></points>"
         for interpolate, extend, points, expected in (
@@ -725,7 +758,7 @@ class Febio(ConvertTest):
     def test_what_changes_the_result_is_not_complete(self):
         good = febio_cubes(self.CUBE, febio_pull(1))
         for text, words in ((good.replace("</Boundary>", '<bc type="rigid" node_set="left1"><rb>2</rb></bc></Boundary>'), "<bc type=rigid>"),
-                            (good.replace("<Loads>", "<Rigid><rigid_bc/></Rigid><Loads>"), "<Rigid>"),
+                            (good.replace("<Loads>", "<Rigid><rigid_bc/></Rigid><Loads>"), "<rigid_bc"),
                             (good.replace("</Mesh>", '</Mesh><MeshData><ElementData var="mat_axis"/></MeshData>'), "<MeshData>")):
             _, said = self.convert("cubes.feb", text)
             self.assertIn(words, said)

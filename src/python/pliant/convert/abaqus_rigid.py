@@ -5,7 +5,7 @@ a mass. Degrees of freedom 1 to 3 of the reference node are the translation of t
 """
 import dataclasses
 
-from .course import Course
+from .conditions import rotation_of
 from .model import FORCE, LENGTH, TORQUE, Quantity, Selection
 
 
@@ -95,7 +95,7 @@ class AbaqusRigid:
     def add(self, part, row, motion, force, value):
         card, center = part.card, [Quantity(float(x), LENGTH) for x in self.mesh.points[row]]
         selection = self.selection(part)
-        rotation = self.rotation(motion[3:], value)
+        rotation = rotation_of(motion[3:], value)
         if selection is None or rotation is None:
             what = f"{part.name}, which the input does not have as one group" if selection is None else "rotations about several axes, of which some are free or not 0"
             self.diagnostics.missing(card.line, f"{card.title} with {what}: left out with the conditions on its reference node")
@@ -137,17 +137,3 @@ class AbaqusRigid:
 
     def of_nodes(self, name):
         return Selection("node", name) if self.model.node_sets.get(name) else None
-
-    @staticmethod
-    def rotation(courses, value):
-        """The key `rotation`; None where there is none: Pliant has free, fixed, and one axis of the others fixed."""
-        if not any(courses):
-            return "free"
-        changing = [c for c, course in enumerate(courses) if course is None or course != Course.constant(0.0)]
-        if not changing:
-            return "fixed"
-        if len(changing) > 1:
-            return None
-        axis = [int(c == changing[0]) for c in range(3)]
-        course = courses[changing[0]]
-        return {"axis": axis, "angle": "free" if course is None else value(course, (0, 0, 0))}

@@ -2,6 +2,7 @@
 import numpy as np
 
 from .cells import KINDS
+from .course import Course
 from .model import LENGTH, Selection
 
 
@@ -46,3 +47,18 @@ def inward_faces(model, surface):
                 start = given.index(corners[0])
                 count += given[start:] + given[:start] != corners
     return count
+
+
+def rotation_of(courses, value):
+    """The key `rotation` of a rigid part for rotations about x, y and z, None where one is free; None where there is no such key, which is free,
+    fixed, or one axis with the others fixed."""
+    if not any(courses):
+        return "free"
+    changing = [c for c, course in enumerate(courses) if course is None or course != Course.constant(0.0)]
+    if not changing:
+        return "fixed"
+    if len(changing) > 1:
+        return None
+    axis = [int(c == changing[0]) for c in range(3)]
+    course = courses[changing[0]]
+    return {"axis": axis, "angle": "free" if course is None else value(course, (0, 0, 0))}

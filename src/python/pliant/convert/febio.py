@@ -6,7 +6,7 @@ from .course import Course, Segment
 from .febio_conditions import FebioConditions
 from .febio_materials import FebioMaterials
 from .febio_mesh import FebioMesh
-from .model import TIME, Model, Quantity
+from .model import DENSITY, TIME, Body, Model, Quantity
 from .units import SYSTEMS
 from .xml_tree import read_tree
 
@@ -21,7 +21,7 @@ WITHOUT_EFFECT = ("plot_zero_state", "plot_range", "plot_level", "output_level",
                   "plot_interval", "plot_level", "print_level", "bwopt", "ignore_missing_nodes")
 # Sections whose entries change the result.
 DECISIVE = {"Boundary", "Loads", "Initial", "Constraints", "Rigid", "Contact", "Discrete", "MeshData", "MeshAdaptor", "bc", "fix", "prescribe", "surface_load", "nodal_load",
-            "body_load", "edge_load", "ic", "init", "constraint", "rigid_bc", "rigid_load", "rigid_connector", "rigid_body", "contact", "Step", "step"}
+            "body_load", "edge_load", "ic", "init", "constraint", "rigid_bc", "rigid_constraint", "rigid_load", "rigid_connector", "rigid_body", "contact", "Step", "step"}
 INTERPOLATIONS = {"LINEAR": "linear", "STEP": "step", "SMOOTH STEP": "smooth"}
 
 
@@ -50,8 +50,8 @@ def read(file, diagnostics):
     mesh = FebioMesh(root, model, diagnostics)
     curves = read_curves(root, diagnostics)
     is_dynamic = read_time(root, model, diagnostics)
-    add_bodies(root, model, mesh, diagnostics, is_dynamic)
-    FebioConditions(root, model, mesh, curves, diagnostics).read()
+    rigid = add_bodies(root, model, mesh, diagnostics, is_dynamic)
+    FebioConditions(root, model, mesh, curves, diagnostics).read(rigid)
     list_the_rest(root, mesh, diagnostics)
     return model
 
@@ -136,25 +136,44 @@ def read_time(root, model, diagnostics):
 
 
 def add_bodies(root, model, mesh, diagnostics, is_dynamic):
+    """Bodies of all domains; returns the rigid ones for the section `Rigid`, by number and name of their material."""
     section = root.child("Material")
     nodes = {key: node for node in (section.each("material") if section else ()) for key in (node.get("id"), node.get("name")) if key}
     reader = FebioMaterials(diagnostics)
-    bodies = {}
+    bodies, rigid = {}, {}  # rigid: material -> names of its domains
     for name, (material, line) in mesh.material_of.items():
         if material not in nodes:
             raise diagnostics.wrong(line, f"the material '{material}' of {name} is not defined")
         node = nodes[material]
+        if node.get("type") == "rigid body":
+            rigid.setdefault(id(node), (node, []))[1].append(name)
+            continue
         if id(node) not in bodies:
             bodies[id(node)] = reader.read(node)
         body = bodies[id(node)]
-        if node.get("type") == "rigid body":
-            continue
         if is_dynamic and body.density is None:
             diagnostics.note(node.line, f"material {node.get('name') or material} has no density: 1 in the units of the file, as in FEBio")
             body.density = Quantity(1.0, (1, -3, 0))
         model.bodies.append(type(body)(name, body.elasticity, body.density, body.viscosity, body.poisson, body.shape_relaxes))
+    found = {key: (name, center) for node, names in rigid.values() for name, center in (add_rigid_body(node, names, model, reader),)
+             for key in (node.get("id"), node.get("name")) if key}
     for node in nodes.values():
         node.use()
+    return found
+
+
+def add_rigid_body(node, names, model, reader):
+    """All domains of a rigid material move as one body. Returns its set of elements, and its center of mass where the file gives it."""
+    name = names[0]
+    if len(names) > 1:
+        name = model.new_name("rigid")
+        model.element_sets[name] = [row for one in names for row in model.element_sets[one]]
+    model.bodies.append(Body(name, density=Quantity(reader.number(node, "density", 1.0), DENSITY), is_rigid=True))
+    center = node.child("center_of_mass")
+    numbers = [reader.diagnostics.number(x, center.line, "a number of center_of_mass") for x in center.text.split(",")] if center is not None else None
+    if numbers and len(numbers) != 3:
+        raise reader.diagnostics.wrong(center.line, f"center_of_mass has three numbers, not {len(numbers)}")
+    return name, numbers
 
 
 def contact_hint(section, mesh):

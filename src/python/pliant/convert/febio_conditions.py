@@ -3,6 +3,7 @@ import math
 
 from .conditions import add_prescribed, inward_faces, normal_of
 from .course import Course, Segment
+from .febio_rigid import FebioRigid
 from .model import ACCELERATION, LENGTH, STRESS, VELOCITY, Quantity, Selection
 
 COMPONENTS = {"x": 0, "y": 1, "z": 2, "u": 0, "v": 1, "w": 2}
@@ -20,7 +21,8 @@ class FebioConditions:
         self.of_step = {}  # displacements of the present step: {name of a set: {component: line}}
         self.forces = {}
 
-    def read(self):
+    def read(self, rigid_bodies):
+        self.rigid = FebioRigid(self.model, rigid_bodies, self, self.diagnostics)
         self.read_sections(self.root)
         steps = [step for section in self.root.each("Step") for step in (list(section.each("step")) or [section])]
         for k, step in enumerate(steps):
@@ -30,6 +32,7 @@ class FebioConditions:
             self.read_sections(step)
             self.list_released(before, start)
         add_prescribed(self.model, self.diagnostics, self.prescribed, Quantity)
+        self.rigid.finish()
         self.model.nodal_forces = [(name, [components.get(c) for c in range(3)]) for name, components in self.forces.items()]
 
     def list_released(self, before, time):
@@ -41,7 +44,8 @@ class FebioConditions:
                                          "a constraint holds to the end of a run, and it remains")
 
     def read_sections(self, owner):
-        for section, read in (("Boundary", self.read_boundary), ("Loads", self.read_load), ("Initial", self.read_initial), ("Constraints", self.read_constraint)):
+        for section, read in (("Boundary", self.read_boundary), ("Loads", self.read_load), ("Initial", self.read_initial), ("Constraints", self.read_constraint),
+                              ("Rigid", self.rigid.read)):
             for node in owner.each(section):
                 for child in node.children:
                     read(child)

@@ -37,8 +37,7 @@ class FebioMaterials:
         kind = node.get("type")
         node.used = True
         if kind not in self.readers:
-            hint = ": `bodies[].rigid: true`, with `attached` or `coupled` surfaces" if kind == "rigid body" else ""
-            self.diagnostics.missing(node.line, f"material {node.get('name') or node.tag}: the law '{kind}' is not supported{hint}")
+            self.diagnostics.missing(node.line, f"material {node.get('name') or node.tag}: the law '{kind}' is not supported")
             return
         self.readers[kind](body, node)
 

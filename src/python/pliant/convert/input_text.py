@@ -57,6 +57,8 @@ class InputText:
             yield f"  - volume: {self.flow(body.elements)}"
             if body.density is not None:
                 yield f"    density: {self.flow(body.density)}"
+            if body.is_rigid:
+                yield "    rigid: true"
             if body.elasticity is not None:
                 yield f"    elasticity: {self.flow(body.elasticity)}"
             if body.viscosity:

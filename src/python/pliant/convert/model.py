@@ -76,6 +76,7 @@ class Body:
     viscosity: list = dataclasses.field(default_factory=list)
     poisson: float = 0.0
     shape_relaxes: bool = False  # and its volume does not
+    is_rigid: bool = False
 
 
 @dataclasses.dataclass
