@@ -416,9 +416,13 @@ class Convert(ConvertTest):
     def test_damaged_files(self):
         """Whatever stands in a file, it is converted, or refused with an exception that has its name."""
         models = {"x.inp": abaqus_cubes([material for material, _ in ABAQUS.values()][:3], pulled(2) + "*DLOAD\ncube1, P4, 2e-3\n*CLOAD\nright3, 1, 1.\n",
-                                        "*AMPLITUDE, NAME=a\n0, 0, 1, 1\n*NSET, NSET=g, GENERATE\n9, 30, 1\n*TIE, NAME=t\nend1, end2\n"),
+                                        "*AMPLITUDE, NAME=a\n0, 0, 1, 1\n*NSET, NSET=g, GENERATE\n9, 30, 1\n*TIE, NAME=t\nend1, end2\n*NODE\n500, 1, 9, 0\n*COUPLING, REF NODE=500, SURFACE=end3\n*KINEMATIC\n"),
+                  "y.inp": abaqus_cubes(["*ELASTIC\n1e6, 0.3\n*VISCOELASTIC, TIME=PRONY\n0.4, 0.4, 0.5\n"], pulled(1) + "*DLOAD\ncube1, GRAV, 1., 0, 0, 1\n*CLOAD\n10, 2, 1.\n" + step(
+                      "*BOUNDARY, OP=NEW\nleft1, 1\nright1, 1, 1, 0.2\n*DLOAD\ncube1, GRAV, 2., 0, 1, 0\n*CLOAD, OP=NEW\nright1, 2, 3.\n"), '*SURFACE, NAME="b c", COMBINE=UNION\nend1\n'),
                   "x.feb": febio_cubes([constants for constants, _ in FEBIO.values()][:3], febio_pull(2),
-                                       '<surface_load type="pressure" surface="end1"><pressure lc="1">4</pressure></surface_load>\n')}
+                                       '<surface_load type="pressure" surface="end1"><pressure lc="1">4</pressure></surface_load>\n'),
+                  "y.feb": Febio.glued(Febio, '<rigid_bc type="rigid_fixed"><rb>2</rb><Rx_dof>1</Rx_dof></rigid_bc><rigid_load type="rigid_force"><rb>2</rb><dof>Ry</dof><value lc="1">1</value>'
+                                       "</rigid_load>", "<center_of_mass>1,2,3</center_of_mass>").replace("<points>", "<extend>REPEAT</extend><points>").replace("<pt>1,1<", "<pt>0.5,1<")}
         some, refused = random.Random(7), 0
         self.addCleanup(os.chdir, os.getcwd())
         os.chdir(self.directory)
@@ -671,6 +675,20 @@ class References(ConvertTest):
         config, said = self.convert("cubes.inp", text.replace("{}", "one.9, 2, 2, 0.1\n").replace("*COUPLING, CONSTRAINT NAME=c, REF NODE=RP, SURFACE=end1\n*KINEMATIC\n", ""))
         self.assertIn("*BOUNDARY on node 9, which belongs to no element of the input, and to no rigid part or coupling that it has: left out", said)
         self.assertEqual(config["constraints"][-1]["displacement"], ["free", "0.1*t", "free"])
+
+    def test_an_instance_is_where_the_assembly_has_it(self):
+        """Translated by one in y, and rotated by 90 degrees about the z-axis through (0, 4, 0): its x-axis becomes y."""
+        flat = abaqus_cubes(["*ELASTIC\n1e5, 0.3\n"], pulled(1) + "*DLOAD\ncube1, BX, 2.\n")
+        part = re.search(r"(?s)\*NODE.*?(?=\*BOUNDARY)", flat)[0] + "*SOLID SECTION, ELSET=cube1, MATERIAL=rubber1\n"
+        steps = re.sub(r"\*SOLID.*\n", "", flat[flat.index("*BOUNDARY"):]).replace("1, 1\nfront", "1, 2\nfront").replace("front1, 2", "front1, 1").replace("right1, 1, 1", "right1, 2, 2")
+        steps = re.sub(r"\b(left|right|front|bottom|cube)1,", r"one.\g<1>1,", steps)
+        text = f"*PART, NAME=p\n{part}*END PART\n*ASSEMBLY, NAME=a\n*INSTANCE, NAME=one, PART=p\n0., 1., 0.\n0., 4., 0., 0., 4., 2., 90.\n*END INSTANCE\n*END ASSEMBLY\n{steps}"
+        self.convert("cubes.inp", text)
+        nodes = re.search(r"(?s)\$Nodes\n.*?\$EndNodes", (self.directory / "cubes.msh").read_text())[0]
+        points = np.array([[float(x) for x in line.split()] for line in nodes.split("\n") if line.count(" ") == 2])
+        np.testing.assert_allclose([points.min(axis=0), points.max(axis=0)], [[-1, 4, 0], [0, 5, 1]], atol=1e-12)
+        self.assertAlmostEqual(self.history("cubes.yaml", "probes=[{name: tip, point: [0, 5, 0]}]")["tip_uy"][-1], 0.4, delta=1e-9)
+        self.fails(text.replace("0., 4., 2., 90.", "0., 4., 0., 90."), r"cubes.inp:\d+: a rotation of an instance has two different points on its axis")
 
     def test_what_has_no_counterpart_is_listed(self):
         for kind, words in (("*KINEMATIC\n1, 1\n", "*KINEMATIC of some degrees of freedom"), ("", "node 500, which belongs to no element")):

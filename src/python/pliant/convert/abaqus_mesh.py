@@ -85,8 +85,24 @@ class AbaqusMesh:
         self.instances += 1
         if self.instances > 1:
             raise self.diagnostics.wrong(card.line, "there is a second instance, but only one can be read: join them (Abaqus/CAE: Assembly, Merge/Cut)")
-        if any(real(entries, k, line, self.diagnostics, "a number that places the instance") for line, entries in card.data for k in range(len(entries))):
-            raise self.diagnostics.wrong(card.line, "the instance is translated or rotated, which is not supported: write a file without parts")
+        places = [[real(entries, k, line, self.diagnostics, "a number that places the instance") for k in range(len(entries))] for line, entries in card.data]
+        if any(any(numbers) for numbers in places):
+            if not self.points:
+                raise self.diagnostics.wrong(card.line, "the instance is translated or rotated, and its part has no nodes before this line")
+            self.place(places, card.data[-1][0])
+
+    def place(self, places, line):
+        """Translates the nodes, then rotates them about the axis from one point to another, by an angle in degrees."""
+        x = np.array(self.points) + np.resize(places[0] + [0.0] * 3, 3)
+        if len(places) > 1:
+            a, b = np.resize(places[1] + [0.0] * 6, 6).reshape(2, 3)
+            length = np.linalg.norm(b - a)
+            if len(places[1]) != 7 or length == 0:
+                raise self.diagnostics.wrong(line, "a rotation of an instance has two different points on its axis, and an angle")
+            axis, angle = (b - a) / length, np.radians(places[1][6])
+            along = np.outer((x - a) @ axis, axis)
+            x = a + along + np.cos(angle) * (x - a - along) + np.sin(angle) * np.cross(axis, x - a)
+        self.points = x.tolist()
 
     def enter_assembly(self, _):
         self.level = "assembly"
