@@ -723,6 +723,18 @@ class Febio(ConvertTest):
         self.assertNotIn("not complete", said)
         self.assertEqual(config["constraints"][-1]["displacement"][0], "t < 1 ? 0.1*t : 0.3 + 0.4*(t - 1)")
 
+    def test_controls_and_types(self):
+        good = febio_cubes(self.CUBE, febio_pull(1))
+        usual, _ = self.convert("cubes.feb", good)
+        self.assertEqual(self.convert("cubes.feb", good.replace('type="hex8"', 'type="HEX8G8"'))[0], usual)
+        for change, end in ((("<time_steps>4</time_steps>", ""), 2.5), (("<step_size>0.25</step_size>", ""), 0.4), (("<time_steps>4<", "<final_time>3</final_time><time_steps>-1<"), 3)):
+            self.assertEqual(self.convert("cubes.feb", good.replace(*change))[0]["time"]["end"], end)
+        steps = self.steps(self.pull(0.1), self.pull(0.2))
+        for text, words in ((steps.replace(self.CONTROL, "", 1), "a model with steps has one Control in each of them"),
+                            (steps.replace("</Module>", "</Module>" + self.CONTROL), "a model with steps has one Control in each of them"),
+                            (good.replace("<time_steps>4<", "<time_steps>-1<"), "time_steps and step_size must be above 0")):
+            self.fails(text, rf"cubes.feb:\d+: {words}", "cubes.feb")
+
     def glued(self, rigid, more=""):
         """A soft cube that is held on the left, and a rigid one on its right."""
         text = febio_cubes([*self.CUBE, ("rigid body", f"<density>1000</density>{more}")], "")

@@ -110,13 +110,20 @@ def steps_of(root):
 
 def read_time(root, model, diagnostics):
     """Method, step and end; returns whether the model is dynamic."""
-    controls = [control for owner in (root, *steps_of(root)) for control in owner.each("Control")]
+    steps = list(steps_of(root))
+    controls = [control for owner in (root, *steps) for control in owner.each("Control")]
     if not controls:
         raise diagnostics.wrong(root.line, "the model has no Control")
+    for step in steps:
+        if step.child("Control") is None or root.child("Control") is not None:
+            raise diagnostics.wrong(step.line, "a model with steps has one Control in each of them, and none outside")
     sizes, dynamic = [], []
     for control in controls:
         number = {tag: diagnostics.number(control.child(tag).text, control.line, tag) if control.child(tag) is not None else default
-                  for tag, default in (("time_steps", 1.0), ("step_size", 1.0))}
+                  for tag, default in (("time_steps", 10.0), ("step_size", 0.1), ("final_time", 0.0))}  # FEBio's defaults
+        final = number.pop("final_time")
+        if number["time_steps"] == -1 and number["step_size"] > 0:
+            number["time_steps"] = final / number["step_size"]
         analysis = control.child("analysis")
         kind = ((analysis.get("type") or analysis.text) if analysis is not None else "static").lower()
         dynamic.append(kind in ("dynamic", "transient", "1"))

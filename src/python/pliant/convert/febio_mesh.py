@@ -84,7 +84,7 @@ class FebioMesh:
             self.model.node_sets[nodes.get("name")] = rows
 
     def read_elements(self, elements):
-        kind = SOLIDS.get(elements.get("type").lower())
+        kind = SOLIDS.get(re.sub(r"g[il]?\d+$", "", elements.get("type").lower()))  # without the points of integration: HEX8G8
         if kind is None:
             self.left_out[elements.get("type")] += len(elements.children)
             self.other_domains[elements.get("name")] = elements.line
