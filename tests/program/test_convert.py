@@ -788,6 +788,8 @@ class Febio(ConvertTest):
     def test_what_changes_the_result_is_not_complete(self):
         good = febio_cubes(self.CUBE, febio_pull(1))
         for text, words in ((good.replace("</Boundary>", '<bc type="rigid" node_set="left1"><rb>2</rb></bc></Boundary>'), "<bc type=rigid>"),
+                            (good.replace("<v>0.3</v>", "<v>0.3</v><prestress>1</prestress>"), "material rubber1: <prestress> of 'neo-Hookean' has no counterpart"),
+                            (good.replace("<E>", '<E lc="1">'), "E of a material follows a load curve"),
                             (good.replace("<Loads>", "<Rigid><rigid_bc/></Rigid><Loads>"), "<rigid_bc"),
                             (good.replace("</Mesh>", '</Mesh><MeshData><ElementData var="mat_axis"/></MeshData>'), "<MeshData>")):
             _, said = self.convert("cubes.feb", text)

@@ -4,6 +4,7 @@ Source: FEBio User's Manual and the energies in its code (FEBioMech): Ogden is s
 mu_i; uncoupled materials have U(J) = k/2 (ln J)^2 unless `pressure_model` says otherwise; a viscoelastic material relaxes to its elastic one.
 """
 import math
+import re
 
 from .abaqus_materials import ARRUDA_BOYCE
 from .model import DENSITY, STRESS, TIME, Body, Quantity, poisson_of
@@ -11,6 +12,8 @@ from .model import DENSITY, STRESS, TIME, Body, Quantity, poisson_of
 # By number or name of pressure_model
 VOLUMETRIC = {"0": "log", "default": "log", "1": "mixed", "NIKE3D": "mixed", "2": "quadratic", "Abaqus": "quadratic", "3": "mixed", "Abaqus (GOH)": "mixed"}
 LINEAR_TERMS = 6
+# Entries of materials that are read elsewhere, belong to terms that are 0, or are axes of isotropic laws.
+WITHOUT_EFFECT = re.compile(r"([cmgt]\d+|density|k|mat_axis|fiber)\Z")
 
 
 class FebioMaterials:
@@ -40,6 +43,9 @@ class FebioMaterials:
             self.diagnostics.missing(node.line, f"material {node.get('name') or node.tag}: the law '{kind}' is not supported")
             return
         self.readers[kind](body, node)
+        for child in node.children:
+            if not child.used and not WITHOUT_EFFECT.match(child.tag) and child.text not in ("0", "0.0"):
+                self.diagnostics.missing(child.line, f"material {node.get('name') or node.tag}: <{child.tag}> of '{kind}' has no counterpart")
 
     def number(self, node, tag, default=0.0):
         child = node.child(tag)
@@ -47,7 +53,7 @@ class FebioMaterials:
             return default
         child.use()
         if child.get("lc") not in ("", "0"):
-            self.diagnostics.note(child.line, f"{tag} of a material follows a load curve: its constant is used")
+            self.diagnostics.missing(child.line, f"{tag} of a material follows a load curve: its constant is used")
         try:
             value = float(child.text)
         except ValueError:
