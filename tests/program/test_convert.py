@@ -498,7 +498,15 @@ class Decks(ConvertTest):
         self.assertEqual(yaml.safe_load((self.directory / "cubes.yaml").read_text()), usual)
         self.fails(text.replace(material, "*INCLUDE, INPUT=law.inp\n"), r"cubes.inp:\d+: law.inp: No such file or directory")
         self.fails(text.replace(material, "*INCLUDE\n"), r"cubes.inp:\d+: \*INCLUDE: the name of the file \(INPUT=...\) is missing")
-        self.fails(text.replace("*ELEMENT, TYPE=C3D8, ELSET=cube1", "*ELEMENT, TYPE=C3D8, ELSET=cube1,"), "cubes.inp:13: '1' is read as a parameter of \\*ELEMENT")
+
+    def test_commas_at_the_end_of_cards(self):
+        """Nothing continues them where data follow."""
+        text = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"], pulled(1), "*ELSET, ELSET=g, GENERATE\n1, 99999999\n")
+        usual, _ = self.convert("cubes.inp", text)
+        for card in ("*ELEMENT, TYPE=C3D8, ELSET=cube1", "*BOUNDARY", "*STATIC", "*NSET, NSET=left1", "*MATERIAL, NAME=rubber1", "*ELASTIC", "GENERATE"):
+            self.assertIn(card + "\n", text)
+            text = text.replace(card + "\n", card + ",\n")
+        self.assertEqual(self.convert("cubes.inp", text)[0], usual)
 
     def test_numbers_and_names_that_are_not_there(self):
         """Elements and nodes have one meaning; members of sets that the file does not have are named."""

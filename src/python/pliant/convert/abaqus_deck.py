@@ -7,6 +7,8 @@ import re
 from pliant.error import PliantError
 
 MOST_INCLUDES = 20  # of files in files
+WITH_FILE = {"INCLUDE", "NODE", "ELEMENT", "NSET", "ELSET", "SURFACE", "AMPLITUDE"}
+NUMBER = re.compile(r"(^|,)\s*[-+.]?\d[^=,]*(,|$)")  # as an entry of its own: a line of data
 
 
 @dataclasses.dataclass
@@ -56,7 +58,7 @@ class Reader:
             at, content = line or number, content.strip()
             if not content or content.startswith("**"):
                 continue
-            if head and content.startswith("*"):
+            if head and (content.startswith("*") or NUMBER.search(content)):  # a comma at the end of a card, which nothing continues
                 self.add_card(head, at, file, depth)
                 head = ""
             if head or content.startswith("*"):
@@ -85,16 +87,16 @@ class Reader:
         named = {}
         for parameter in parameters:
             key, equals, value = parameter.partition("=")
-            if re.match(r"[-+.\d]", key):
-                raise self.diagnostics.wrong(line, f"'{key[:40]}' is read as a parameter of *{name.upper()}, because the line before it ends with a comma: remove that comma")
             if key:
                 named["".join(key.upper().split())] = value.strip() if equals else ""
         card = Card("".join(name.upper().split()), named, line, [], " ".join(name.upper().split()))
         if card.keyword != "INCLUDE":
             self.cards.append(card)
+        if card.keyword not in WITH_FILE or not card.has("INPUT") and card.keyword != "INCLUDE":
+            return
         if card.value("INPUT"):
             self.read(self.place_of(card.value("INPUT"), file), line, depth + 1)
-        elif card.keyword == "INCLUDE" or card.has("INPUT"):
+        else:
             raise self.diagnostics.wrong(line, f"{card.title}: the name of the file (INPUT=...) is missing")
 
     def place_of(self, name, file):

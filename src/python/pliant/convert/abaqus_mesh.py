@@ -207,9 +207,9 @@ class AbaqusMesh:
         for line, entries in card.data:
             if card.has("GENERATE"):
                 first, last, step = (whole(entries[k] if k < len(entries) and entries[k] else "1", line, self.diagnostics, "a limit of the set") for k in range(3))
-                if (last - first) // max(step, 1) > len(table):
-                    raise self.diagnostics.wrong(line, "the range has more numbers than the file has nodes or elements before it")
-                members += [table[label] for label in range(first, last + 1, max(step, 1)) if label in table]
+                step = max(step, 1)
+                within = range(first, last + 1, step)
+                members += [table[label] for label in (within if len(within) < len(table) else sorted(table)) if label in table and label in within]
                 continue
             for entry in entries:
                 if entry.isdigit():
