@@ -524,6 +524,7 @@ class Decks(ConvertTest):
         joined = text.replace("*MATERIAL", "*SURFACE, NAME=both, COMBINE=UNION\nend1, end1\n*MATERIAL").replace("end1, P", "both, P")
         self.assertEqual(self.convert("cubes.inp", joined)[0]["loads"], [{"surface": "both", "pressure": "2*t"}])
         _, said = self.convert("cubes.inp", joined.replace("UNION", "DIFFERENCE"))
+        self.assertIn("*DLOAD of the type NEWTON", self.convert("cubes.inp", text.replace("*DSLOAD\nend1, P, 2.", "*DLOAD\ncube1, NEWTON"))[1])
         self.assertIn("*SURFACE, COMBINE=DIFFERENCE: give its faces one by one", said)
         self.assertIn("*DSLOAD of the type P on both, which has no elements of the input: left out", said)
         febio = febio_cubes([FEBIO["Yeoh"][0]], "")
@@ -657,6 +658,15 @@ class References(ConvertTest):
             _, said = self.convert("cubes.inp", abaqus_cubes([rubber], f"*STATIC\n0.5, 1.\n{guided}*CLOAD\n500, 1, {force}\n", self.MORE + kind))
             self.assertNotIn("not complete", said)
             self.assertAlmostEqual(self.history("cubes.yaml")["ref_x"][-1] - 1.2, 0.2, delta=delta)
+
+    def test_sets_of_nodes_with_a_force(self):
+        """They are attached if they are one surface."""
+        rigid = "*NODE, NSET=ref\n500, 1., 3., 0.\n*NSET, NSET=two\n10, 15\n*RIGID BODY, REF NODE=ref, TIE NSET={}\n"
+        for name, is_surface in (("right1", True), ("two", False)):
+            config, said = self.convert("cubes.inp", abaqus_cubes(["*ELASTIC\n1e5, 0.3\n"], "*STATIC\n0.5, 1.\n*CLOAD\nref, 1, 2.\n", rigid.format(name)))
+            self.assertEqual(config.get("rigid_bodies"), [{"name": "ref", "center": [1, 3, 0], "attached": ["right1"]}] if is_surface else None)
+            self.assertEqual(config.get("loads"), [{"force": ["2*t", 0, 0], "volume": "ref"}] if is_surface else None)
+            self.assertEqual("the nodes of two move with a reference node in the model, and are not one surface or volume" in said, not is_surface)
 
     def test_rotations(self):
         rigid = "*NODE, NSET=ref\n500, 1., 3., 0.\n*RIGID BODY, REF NODE=500, TIE NSET=right1\n"

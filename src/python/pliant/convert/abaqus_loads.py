@@ -8,6 +8,7 @@ from .conditions import normal_of
 from .course import Course
 from .model import ACCELERATION, FORCE_DENSITY, STRESS, Selection
 
+KNOWN = re.compile(r"P|P[1-6]|GRAV|TRVEC|B[XYZ]")  # types
 KEYS = {"GRAV": ("gravity", ACCELERATION), "TRVEC": ("traction", STRESS), "B": ("force_density", FORCE_DENSITY)}
 
 
@@ -39,7 +40,7 @@ class DistributedLoads:
             if len(entries) < 2:
                 raise self.diagnostics.wrong(line, f"{card.title} needs a set or surface, a type and a magnitude")
             on, label = self.mesh.spelled("element", entries[0]), entries[1].upper()
-            value = real(entries, 2, line, self.diagnostics, "the magnitude")
+            value = real(entries, 2, line, self.diagnostics, "the magnitude", None if KNOWN.fullmatch(label) else 0.0)
             surface = self.mesh.spelled("surface", entries[0])
             if card.keyword == "DSLOAD":
                 self.mesh.faces_named(entries[0], line)

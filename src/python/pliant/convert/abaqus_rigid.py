@@ -108,11 +108,7 @@ class AbaqusRigid:
         if not part.is_mean and not any(force):
             self.model.constraints.append((selection, {"name": name, "rigid": rigid}))
             return
-        if selection.kind not in ("face", "element"):
-            self.diagnostics.missing(card.line, f"{card.title} of nodes that do not cover a surface, with a force on its reference node: the force is left out")
-            self.model.constraints.append((selection, {"name": name, "rigid": rigid}))
-            return
-        self.model.rigid_bodies.append({"name": name, "center": center, "coupled" if part.is_mean else "attached": [selection.name]})
+        self.model.rigid_bodies.append({"name": name, "center": center, "coupled" if part.is_mean else "attached": selection})
         if part.is_mean:
             self.diagnostics.note(card.line, f"{card.title}, DISTRIBUTING: the mean is over the area of the surface, not over its nodes")
         if moves:

@@ -105,7 +105,23 @@ def groups_of(model, selection):
     return [{KEYS[dimension]: name} for dimension in model.dimensions[name]]
 
 
+def attach(model, diagnostics):
+    """Names what the rigid bodies hold; those that hold neither one surface nor one volume are left out."""
+    for body in list(model.rigid_bodies):
+        key = "coupled" if "coupled" in body else "attached"
+        groups = groups_of(model, body[key])
+        names = [group[kind] for group in groups for kind in ("surface", "volume") if kind in group]
+        if len(groups) == 1 and names:
+            body[key] = names
+            continue
+        diagnostics.missing(None, f"the nodes of {body[key].name} move with a reference node in the model, and are not one surface or volume: left out with its forces")
+        model.rigid_bodies.remove(body)
+        for entries in (model.constraints, model.loads):
+            entries[:] = [(selection, keys) for selection, keys in entries if selection is not None or keys.get("volume") != body["name"]]
+
+
 def input_of(model, mesh, system, mesh_file, diagnostics):
+    attach(model, diagnostics)
     constraints, loads = [], []
     for selection, keys in model.constraints:
         groups = groups_of(model, selection)

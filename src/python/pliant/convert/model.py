@@ -105,7 +105,7 @@ class Model:
     constraints: list = dataclasses.field(default_factory=list)  # (Selection, keys)
     loads: list = dataclasses.field(default_factory=list)  # (Selection or None, keys)
     nodal_forces: list = dataclasses.field(default_factory=list)  # (name of a node set, course or None for each component), on each node
-    rigid_bodies: list = dataclasses.field(default_factory=list)  # keys of each
+    rigid_bodies: list = dataclasses.field(default_factory=list)  # keys of each; `attached` or `coupled`: a Selection
     initial_velocity: Any = None
     time: dict = dataclasses.field(default_factory=dict)
     end: float = 0.0
