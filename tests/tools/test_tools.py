@@ -294,6 +294,19 @@ class Pictures(WithResult):
         self.assertGreater(yellow.mean(), 0.5)
         self.assertEqual((pixels.max(axis=1) < 25).sum(), 0)
 
+    def test_runs_that_were_resumed(self):
+        """On more ranks, and with other fields."""
+        with h5py.File(self.path("result.h5"), "r+") as h5:
+            h5.copy("mesh", "mesh_1")
+            h5["mesh_1/rank"][()] = np.arange(len(h5["mesh_1/rank"])) % 5
+            h5["frames/000002"].attrs["mesh"] = "/mesh_1"
+            h5["frames/000002/acceleration"] = h5["frames/000002/velocity"][()]
+        self.assertEqual(quantity_of(Result(self.directory), "rank").names, ["0", "1", "2", "3", "4"])
+        self.draw("--field", "rank", *SMALL)
+        self.draw("--field", "rank", "-o", self.path("ranks.glb"))
+        self.draw("--field", "acceleration_z", *SMALL)
+        self.fails("Frame(time=0, step=0) has no field 'acceleration'; it is in 1 of 3 frames", self.directory, "--field", "acceleration", "--frames")
+
     def test_views_differ(self):
         pictures = []
         for view in ("iso", "front", "top", "-1,0.5,0.3"):

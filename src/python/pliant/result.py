@@ -184,6 +184,10 @@ class Frame:
             return Field(von_mises(stress.values)[:, None], stress.unit, stress.on_nodes)
         if name in ("body", "rank"):
             return Field(self.result.h5[self.mesh_group][name][()].astype(float)[:, None], "", False)
+        having = [frame for frame in self.result.frames if name in frame.field_names]
+        if having:
+            raise PliantError(f"{self!r} has no field '{name}'; it is in {len(having)} of {len(self.result)} frames, from {having[0]!r} to "
+                              f"{having[-1]!r}: the run was resumed with other output.fields")
         near = did_you_mean(name, self.field_names)
         raise PliantError(f"the result has no field '{name}'; {near}{'It' if near else 'it'} has {', '.join(self.field_names)}")
 

@@ -42,9 +42,9 @@ def _of_nodes(surface, values):
     return np.where(surface.of_nodes(infinite.astype(float)) != 0, np.inf, at_points)
 
 
-def quantity_of(result, name):
-    """`displacement`, `displacement_z`, `cauchy_stress_xx`, ... as a Quantity."""
-    frame = result.frames[0]
+def quantity_of(result, name, frame=None):
+    """`displacement`, `displacement_z`, `cauchy_stress_xx`, ... as a Quantity. `frame`: one that has the field; default: the first."""
+    frame = frame or result.frames[0]
     known = frame.field_names
     base, _, suffix = name.rpartition("_")
     if name not in known and base in known:
@@ -58,7 +58,7 @@ def quantity_of(result, name):
         drawn = frame.mesh.bodies_with_surface
         return Quantity(name, 0, "body", "", [body if body in drawn else "" for body in frame.mesh.body_names])
     if name == "rank":
-        return Quantity(name, 0, "rank", "", [str(i) for i in range(int(field.values.max()) + 1)])
+        return Quantity(name, 0, "rank", "", [str(i) for i in range(_num_ranks(result))])
     components = field.values.shape[1]
     if components > 3:
         example = COMPONENTS[components][0]
@@ -66,6 +66,12 @@ def quantity_of(result, name):
     if name.startswith(PRINCIPAL):
         raise PliantError(f"'{name}' has three values: choose {name}_1 (the largest), {name}_2 or {name}_3")
     return Quantity(name, -1 if components == 3 else 0, words_of(name), field.unit, [])
+
+
+def _num_ranks(result):
+    """The largest number of ranks that have written frames: a run may be resumed on more or on fewer."""
+    of_mesh = {frame.mesh_group: frame for frame in result.frames}
+    return max(int(frame["rank"].max()) for frame in of_mesh.values()) + 1
 
 
 def components_of(name, field):

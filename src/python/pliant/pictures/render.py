@@ -57,7 +57,7 @@ def write_model(result, options):
 def run(options):
     result = Result(options.result)
     if options.field is None:
-        options.field = "displacement" if "displacement" in result[0].field_names else "none"
+        options.field = "displacement" if "displacement" in chosen_frames(result, options)[0].field_names else "none"
     if is_model(options):
         write_model(result, options)
         return

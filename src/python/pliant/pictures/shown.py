@@ -135,7 +135,7 @@ class Shown:
         if self.by_rods:
             self._require_rods()
         if not self.by_tension:
-            return quantity_of(self._result, self._options.field)
+            return quantity_of(self._result, self._options.field, self.frames[0])
         if self.frames[0].mechanisms is None:
             raise PliantError("--field tension: the result has no tendons and no springs")
         return Quantity("tension", 0, "tension", "N", [])
@@ -299,7 +299,8 @@ class Shown:
             return Colours(*self._options.range, self._options.colour_map)
         # A magnitude starts at zero. Cell stresses at a sharp corner are far larger than elsewhere: the uppermost and
         # lowermost thousandth get the colour of the ends. Pictures of one result have the same scale, whichever frame they show.
-        values = np.concatenate([self._extent_of(frame) for frame in _some(self._result.frames, 60)])
+        having = [frame for frame in self._result.frames if self.is_of_lines or self.quantity.field in frame.field_names]
+        values = np.concatenate([self._extent_of(frame) for frame in _some(having, 60)])
         low, high = values.min(initial=np.inf), values.max(initial=-np.inf)
         if len(values) == 0:
             low = high = 0.0
