@@ -149,6 +149,65 @@ class Package(ProgramTest):
         with self.assertRaisesRegex(pliant.PliantError, "is not an HDF5 file"):
             pliant.Result("text.h5")
 
+    def test_values_that_are_not_what_is_expected(self):
+        """Each ends with one exception of the package, a ValueError, and leaves no file."""
+        run = pliant.run(INPUT, output="out")
+        result, history = run.result, run.history
+        last, surface = result[-1], pliant.Surface(result.mesh())
+        before = sorted(os.listdir("."))
+        for words, call in {
+                "the time of a frame .s.: a finite number is expected, not inf": lambda: result.at(np.inf),
+                "a finite number is expected, not nan": lambda: result.at(np.nan),
+                "not '20 ms'": lambda: result.at("20 ms"),
+                "has the frames 0 to 3, not 4": lambda: result[4],
+                r"fields belong to one of them: result\[-1\]\['displacement'\]": lambda: result["displacement"],
+                "has no mesh '/mesh_1'; it has /mesh$": lambda: result.mesh("/mesh_1"),
+                "rows: numbers of nodes or cells are expected": lambda: result.series("displacement", 1000),
+                "no field '3'; it has cauchy_stress, displacement": lambda: last[3],
+                "no field '../000001'": lambda: last["../000001"],
+                "Result: the name is empty": lambda: pliant.Result(""),
+                "History: the name of a file or a directory is expected, not None": lambda: pliant.History(None),
+                "Checkpoint: the name of a file or a directory is expected, not 3": lambda: pliant.Checkpoint(3),
+                "size: a number above 0 is expected, not -1": lambda: result.show(size=-1),
+                "no columns tipx, tipy and tipz .*; there are those of p, L, tip_, tip_v": lambda: history.vector("tip"),
+                "no column 'tip_zz'": lambda: history["tip_zz"],
+                r"no column \['time'\]": lambda: history[["time"]],
+                "a key of the input is a text, .* not 3": lambda: pliant.run(INPUT, {3: 4}),
+                "timeout, a time .s.: a finite number is expected": lambda: pliant.run(INPUT, timeout=np.nan),
+                "petsc_options: a list of words": lambda: pliant.run(INPUT, petsc_options="-log_view"),
+                "output: the name of a file or a directory": lambda: pliant.run(INPUT, output=3),
+                "modes takes the name of an input file, not": lambda: pliant.modes(INPUT),
+                "near, a frequency .Hz.: a finite number": lambda: pliant.modes("in.yaml", near="x"),
+                "of: a list of names is expected": lambda: pliant.sensitivity("in.yaml", of=3, to=["bodies.0.density"]),
+                "output: the name is empty": lambda: pliant.gradient("in.yaml", {"time": [0], "tip_z": [1]}, to=["bodies.0.density"], output=""),
+                "'tip_z' has 2 values, and 'time' has 4": lambda: run.gradient({"tip_z": [1, 2]}, to=["bodies.0.density"]),
+                "4 of 4 numbers are not finite": lambda: run.gradient({"tip_z": history.time * np.nan}, to=["bodies.0.density"]),
+                "weights: a dictionary of arrays": lambda: run.gradient(3, to=["bodies.0.density"]),
+                r"von_mises: an array of shape \(n, 6\) is needed, not \(2, 5\)": lambda: pliant.von_mises(np.zeros((2, 5))),
+                "a mesh is expected, such as result.mesh": lambda: pliant.Surface(result),
+                "divisions: a whole number from 1": lambda: pliant.Surface(result.mesh(), 0),
+                "cells: numbers from 0 to 23 are expected": lambda: pliant.Surface(result.mesh(), cells=[24]),
+                r"nodal values: an array of shape \(20, n\) is needed, not \(3, 3\)": lambda: surface.of_nodes(np.zeros((3, 3)))}.items():
+            with self.subTest(words), self.assertRaisesRegex(pliant.InputError, words) as caught:
+                call()
+            self.assertEqual(caught.exception.code, 2)
+        self.assertEqual(sorted(os.listdir(".")), before)
+        for kind, call in ((KeyError, lambda: history["x"]), (IndexError, lambda: result[9]), (KeyError, lambda: last["x"])):
+            with self.assertRaises(kind):
+                call()
+        self.assertEqual((len(list(result)), history.get("x")), (4, None))
+        for text, words in (("a\n", "must be a map of keys"), ("a: [\n", "not valid YAML"), ("output: 3\n", "output")):
+            with self.assertRaisesRegex(pliant.PliantError, words):
+                pliant.run(text)
+        result.close()
+        with self.assertRaisesRegex(pliant.PliantError, "is closed; refresh"):
+            last["displacement"]
+        shutil.rmtree("out")
+        with self.assertRaisesRegex(pliant.PliantError, "summary.json: No such file"):
+            pliant.Run("out", "").summary
+        with mock.patch.dict(os.environ, {"PLIANT": "/missing/pliant"}), self.assertRaisesRegex(pliant.PliantError, "/missing/pliant could not be started"):
+            pliant.run(INPUT)
+
     def test_notebooks(self):
         """What a cell shows of a run, its result and its history, without a notebook."""
         run = pliant.run("title: a <bar> & its end\n" + INPUT)

@@ -463,16 +463,26 @@ class TestWrongUse(SimulationTest):
                     (ValueError, "is a length, but an acceleration", lambda: sim.set("loads.0.gravity", [0, 0, "1 m"])),
                     (ValueError, "has no surface 'rigth' .did you mean 'right'", lambda: sim.surface("rigth")),
                     (ValueError, r"shape \(4, 3\) is needed, not \(3,\)", lambda: right.apply_forces([0, 0, 1])),
-                    (ValueError, "1 numbers are not finite", lambda: right.apply_forces([[0, 0, np.nan]] + 3 * [[0, 0, 0]])),
+                    (ValueError, "1 of 12 numbers are not finite", lambda: right.apply_forces([[0, 0, np.nan]] + 3 * [[0, 0, 0]])),
                     (ValueError, "cannot be moved node by node; hold it", lambda: right.move(np.zeros((4, 3)))),
                     (ValueError, "^set loads.0.gravity=9.81: 'gravity' must be", lambda: sim.set("loads.0.gravity", 9.81)),
                     (ValueError, "no column 'tip_zz'; there are tip_", lambda: sim.get("tip_zz")),
                     (ValueError, "takes what save returned", lambda: sim.restore(3)),
-                    (ValueError, "not a field of nodes", lambda: sim.of_nodes("stress"))):
+                    (ValueError, "not a field of nodes", lambda: sim.of_nodes("stress")),
+                    (ValueError, "name of a surface is expected, not 5; there are back, bottom", lambda: sim.surface(5)),
+                    (ValueError, "a key of the input is a text, .*not 3", lambda: sim.set(3, 1)),
+                    (ValueError, "set takes a key and a value", lambda: sim.set("loads.0.gravity")),
+                    (ValueError, "of real numbers is expected, not 'up'", lambda: right.apply_forces("up")),
+                    (ValueError, r"\(4, 3\) of real numbers is expected, not \[\[1, 2\], \[3\]\]", lambda: right.move([[1, 2], [3]])),
+                    (ValueError, "of real numbers", lambda: right.apply_forces(np.full((4, 3), 1j))),
+                    (ValueError, "until, a time .s.: a finite number is expected, not nan", lambda: sim.run(until=np.nan)),
+                    (ValueError, "output: the name is empty", lambda: pliant.Simulation(FALLING + BDF2, output="")),
+                    (ValueError, "comm: a communicator of mpi4py is expected", lambda: pliant.Simulation(FALLING + BDF2, comm=3))):
                 with self.assertRaisesRegex(error, expected):
                     call()
             with pliant.Simulation(FALLING + BDF2) as other, self.assertRaisesRegex(pliant.InputError, "another simulation"):
                 other.restore(sim.save())
+            self.assertEqual(os.listdir("."), ["bar.msh"])
             sim.run()
             with self.assertRaisesRegex(pliant.PliantError, "has reached its end, 0.06 s"):
                 sim.advance()

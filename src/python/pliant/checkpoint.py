@@ -5,6 +5,7 @@ from typing import Any, Union
 import h5py
 import numpy as np
 
+from .checks import path_of
 from .error import PliantError
 from .files import opened, text
 
@@ -14,7 +15,7 @@ class Checkpoint:
 
     def __init__(self, path: Union[str, "os.PathLike[str]"]) -> None:
         """`path`: a checkpoint, or a directory: then the newest one in it."""
-        self.file = self._find(os.fspath(path))
+        self.file = self._find(path_of(path, "Checkpoint"))
         self._h5 = opened(self.file)
         attributes = self._h5.attrs
         if text(attributes.get("format", "")) != "pliant-checkpoint":

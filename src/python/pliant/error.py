@@ -24,6 +24,12 @@ class InputError(PliantError, ValueError):
         super().__init__(message, 2)
 
 
+class MissingError(InputError, KeyError, IndexError):
+    """There is nothing of this name or number; code 2. Mappings and sequences expect a KeyError or an IndexError, which it also is."""
+
+    __str__ = Exception.__str__  # that of KeyError adds quotation marks
+
+
 class SolveError(PliantError, RuntimeError):
     """A step could not be solved; code 3."""
 

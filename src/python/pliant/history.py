@@ -8,7 +8,8 @@ from typing import Any, Union
 import numpy as np
 
 from . import notebook
-from .error import FILE, PliantError
+from .checks import path_of
+from .error import FILE, MissingError, PliantError
 from .files import refuse_input
 
 
@@ -20,13 +21,16 @@ class History(Mapping[str, np.ndarray]):
 
     def __init__(self, path: Union[str, "os.PathLike[str]"]) -> None:
         """`path`: the output directory of a run, or its history.csv."""
-        file = os.fspath(path)
+        file = path_of(path, "History")
         refuse_input(file)
         file = os.path.join(file, "history.csv") if os.path.isdir(file) else file
         if not os.path.isfile(file):
             raise PliantError(f"there is no history: {file} does not exist", FILE)
-        with open(file, newline="", encoding="utf-8") as lines:
-            rows = list(csv.reader(line for line in lines if line.endswith("\n")))
+        try:
+            with open(file, newline="", encoding="utf-8") as lines:
+                rows = list(csv.reader(line for line in lines if line.endswith("\n")))
+        except (OSError, UnicodeDecodeError, csv.Error) as error:
+            raise PliantError(f"{file} is not a history of a run: {error}", FILE) from error
         names = rows[0] if rows else []
         complete = [row for row in rows[1:] if len(row) == len(names)]
         if "time" not in names or not complete:
@@ -39,10 +43,10 @@ class History(Mapping[str, np.ndarray]):
         self._columns = {name: table[:, i] for i, name in enumerate(names)}
 
     def __getitem__(self, name: str) -> np.ndarray:
-        if name in self._columns:
+        if isinstance(name, str) and name in self._columns:
             return self._columns[name]
         near = difflib.get_close_matches(str(name), self._columns, 3) or list(self._columns)
-        raise KeyError(f"no column {name!r} in {self.file}; there are {', '.join(near)}")
+        raise MissingError(f"no column {name!r} in {self.file}; there are {', '.join(near)}")
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)
@@ -64,6 +68,9 @@ class History(Mapping[str, np.ndarray]):
 
     def vector(self, name: str) -> np.ndarray:
         """Steps x 3: the columns <name>x, y, z, e.g. `tip_` for the position of the probe tip, `clamp_f` for a reaction."""
+        if not all(f"{name}{axis}" in self for axis in "xyz"):
+            known = [column[:-1] for column in self if column.endswith("x") and all(column[:-1] + axis in self for axis in "yz")]
+            raise MissingError(f"no columns {name}x, {name}y and {name}z in {self.file}; there are those of {', '.join(known)}")
         return np.stack([self[name + axis] for axis in "xyz"], axis=1)
 
     def to_dataframe(self) -> Any:

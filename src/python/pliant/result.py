@@ -8,7 +8,8 @@ import h5py
 import numpy as np
 
 from . import notebook
-from .error import FILE, PliantError, did_you_mean
+from .checks import array_of, number_of, path_of, positive_of, short
+from .error import FILE, InputError, MissingError, PliantError, did_you_mean
 from .files import opened, refuse_input, text
 
 
@@ -139,7 +140,7 @@ class Field:
 
 def von_mises(stress: np.ndarray) -> np.ndarray:
     """sqrt(3/2 s:s), s the deviator, of symmetric tensors, rows x 6 (xx yy zz xy yz xz)."""
-    xx, yy, zz, xy, yz, xz = stress.T
+    xx, yy, zz, xy, yz, xz = array_of(stress, "von_mises", (None, 6)).T
     normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
     return np.sqrt(normal / 2 + 3 * (xy**2 + yz**2 + xz**2))
 
@@ -148,7 +149,7 @@ class Frame:
     """One instant of the time series; its numbers are read when they are asked for."""
 
     def __init__(self, result: "Result", name: str) -> None:
-        group = result.h5["frames"][name]
+        group = result.open_file["frames"][name]
         self.result = result
         self.name = name  #: its group in result.h5: "000012"
         self.time = float(group.attrs["time"])  #: [s]; of a static run the load factor, or the length of its path
@@ -160,36 +161,41 @@ class Frame:
         return f"Frame({self.label})" if self.label else f"Frame(time={self.time:g}, step={self.step})"
 
     @property
+    def _group(self) -> h5py.Group:
+        return self.result.open_file["frames"][self.name]
+
+    @property
     def mesh(self) -> Mesh:
         return self.result.mesh(self.mesh_group)
 
     @property
     def field_names(self) -> "list[str]":
         """Names that `field` knows, those in the file first."""
-        names = sorted(self.result.h5["frames"][self.name])
+        names = sorted(self._group)
         if "cauchy_stress" in names and "von_mises_stress" not in names:
             names.append("von_mises_stress")
         return [*names, "body", "rank"]
 
     def field(self, name: str) -> Field:
         """Values with their unit; `von_mises_stress` also where only `cauchy_stress` was written."""
-        group = self.result.h5["frames"][self.name]
-        if name in group:
+        group = self._group
+        is_name = isinstance(name, str) and name in self.field_names
+        if is_name and name in group:
             dataset = group[name]
             on_nodes = text(dataset.attrs.get("location", "node")) == "node"
             values = dataset[()]
             return Field(values.reshape(len(values), -1), text(dataset.attrs.get("unit", "")), on_nodes)
-        if name == "von_mises_stress" and "cauchy_stress" in group:
+        if is_name and name == "von_mises_stress" and "cauchy_stress" in group:
             stress = self.field("cauchy_stress")
             return Field(von_mises(stress.values)[:, None], stress.unit, stress.on_nodes)
-        if name in ("body", "rank"):
-            return Field(self.result.h5[self.mesh_group][name][()].astype(float)[:, None], "", False)
+        if is_name:
+            return Field(self.result.open_file[self.mesh_group][name][()].astype(float)[:, None], "", False)
         having = [frame for frame in self.result.frames if name in frame.field_names]
         if having:
-            raise PliantError(f"{self!r} has no field '{name}'; it is in {len(having)} of {len(self.result)} frames, from {having[0]!r} to "
+            raise MissingError(f"{self!r} has no field '{name}'; it is in {len(having)} of {len(self.result)} frames, from {having[0]!r} to "
                               f"{having[-1]!r}: the run was resumed with other output.fields")
-        near = did_you_mean(name, self.field_names)
-        raise PliantError(f"the result has no field '{name}'; {near}{'It' if near else 'it'} has {', '.join(self.field_names)}")
+        near = did_you_mean(str(name), self.field_names)
+        raise MissingError(f"the result has no field '{name}'; {near}{'It' if near else 'it'} has {', '.join(self.field_names)}")
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Values alone: rows x components, of fields with one component as many as rows."""
@@ -198,7 +204,7 @@ class Frame:
 
     def displacement(self) -> np.ndarray:
         """num_nodes x 3 [m]; zero where the result has none."""
-        if "displacement" in self.result.h5["frames"][self.name]:
+        if "displacement" in self._group:
             return self.field("displacement").values
         return np.zeros_like(self.mesh.coordinates)
 
@@ -210,9 +216,9 @@ class Frame:
     def obstacles(self) -> Optional[Obstacles]:
         """Where they are; None if the run had none."""
         path = self.mesh_group.replace("mesh", "obstacles")
-        if path not in self.result.h5:
+        if path not in self.result.open_file:
             return None
-        group = self.result.h5[path]
+        group = self.result.open_file[path]
         moved = f"frames/{self.step:06}/points"
         names = text(group["obstacle"].attrs["names"]).split("\n")
         return Obstacles(group[moved if moved in group else "points"][()], group["triangles"][()], group["obstacle"][()], names)
@@ -221,9 +227,9 @@ class Frame:
     def mechanisms(self) -> Optional[Mechanisms]:
         """Lines that show tendons, springs and joints; None if the run had none."""
         path = self.mesh_group.replace("mesh", "mechanisms")
-        if path not in self.result.h5:
+        if path not in self.result.open_file:
             return None
-        group = self.result.h5[path]
+        group = self.result.open_file[path]
         now, part = group[f"frames/{self.step:06}"], group["part"]
         names, kinds = (text(part.attrs[key]).split("\n") for key in ("names", "kinds"))
         joints = group["joints"][()] if "joints" in group else np.zeros(0, dtype=int)
@@ -232,8 +238,10 @@ class Frame:
 
     def to_meshio(self) -> Any:
         """A meshio.Mesh in the current shape with all fields; `.write("frame.vtu")` writes any format that meshio knows."""
-        import meshio  # a package of its own: python3-meshio
-
+        try:
+            import meshio
+        except ImportError:
+            raise PliantError("to_meshio needs meshio: install the package python3-meshio, or `pip install meshio`") from None
         mesh = self.mesh
         of_nodes, of_cells = {}, {}
         for name in self.field_names:
@@ -265,7 +273,7 @@ class Result(Sequence[Frame]):
 
     def __init__(self, path: Union[str, "os.PathLike[str]"]) -> None:
         """`path`: the output directory of a run, its result.h5 or its result.xdmf."""
-        self.file = self._find(os.fspath(path))
+        self.file = self._find(path_of(path, "Result"))
         self.directory = os.path.dirname(os.path.abspath(self.file))
         self._meshes: "dict[str, Mesh]" = {}
         self.refresh()
@@ -296,6 +304,13 @@ class Result(Sequence[Frame]):
             raise PliantError(f"there is no result: {path} does not exist", FILE)
         return path
 
+    @property
+    def open_file(self) -> h5py.File:
+        """`h5`; PliantError after `close`."""
+        if not self.h5:
+            raise PliantError(f"the result {self.file} is closed; refresh() opens it again")
+        return self.h5
+
     def close(self) -> None:
         if hasattr(self, "h5"):
             self.h5.close()
@@ -311,7 +326,14 @@ class Result(Sequence[Frame]):
     @overload
     def __getitem__(self, index: slice) -> "list[Frame]": ...
     def __getitem__(self, index: Union[int, slice]) -> "Union[Frame, list[Frame]]":
-        return self.frames[index]
+        if isinstance(index, str):
+            raise InputError(f"frames have numbers, and fields belong to one of them: result[-1][{index!r}]")
+        try:
+            return self.frames[index]
+        except IndexError:
+            raise MissingError(f"{self.file} has the frames 0 to {len(self) - 1}, not {index}") from None
+        except TypeError:
+            raise InputError(f"the number of a frame is expected, 0 to {len(self) - 1}, not {short(index)}") from None
 
     def __len__(self) -> int:
         return len(self.frames)
@@ -331,10 +353,11 @@ class Result(Sequence[Frame]):
         """
         from .runs import completed  # which needs results
 
-        page = os.path.join(self.directory, "report.html") if output is None else os.path.abspath(output)
-        done = completed(["report", self.file, "--output", page, "--size", f"{size:g}"], 1, (), None)
+        page = os.path.join(self.directory, "report.html") if output is None else os.path.abspath(path_of(output, "output"))
+        megabytes, pixels = positive_of(size, "size"), int(positive_of(height, "height"))
+        done = completed(["report", self.file, "--output", page, "--size", f"{megabytes:g}"], 1, (), None)
         if notebook.is_notebook():
-            notebook.show_page(page, height)
+            notebook.show_page(page, pixels)
         else:
             print(done.stdout.strip())
 
@@ -345,14 +368,15 @@ class Result(Sequence[Frame]):
 
     def at(self, time: float) -> Frame:
         """The frame nearest to a time [s]."""
-        if np.isnan(time):
-            raise PliantError("no frame is at the time nan")
-        return self.frames[int(np.abs(self.times - time).argmin())]
+        return self.frames[int(np.abs(self.times - number_of(time, "the time of a frame [s]")).argmin())]
 
     def mesh(self, group: str = "/mesh") -> Mesh:
         """Of all frames, unless the run was resumed: `Frame.mesh` is that of a frame."""
         if group not in self._meshes:
-            given = self.h5[group]
+            known = [f"/{name}" for name, item in self.open_file.items() if isinstance(item, h5py.Group) and "cells" in item]
+            if group not in known:
+                raise MissingError(f"{self.file} has no mesh {short(group)}; it has {', '.join(known)}")
+            given = self.open_file[group]
             names, *others = (text(given["body"].attrs.get(key, "")).split("\n") for key in ("names", "masses", "rods", "sections", "shells", "rectangular_rods"))
             self._meshes[group] = Mesh(given["coordinates"][()], given["cells"][()], given["body"][()], names,
                                        *(other if other[0] else [] for other in others))
@@ -363,7 +387,12 @@ class Result(Sequence[Frame]):
         by frame, and only those rows are kept."""
         if len({frame.mesh_group for frame in self.frames}) > 1:
             raise PliantError(f"{self.file}: the run was resumed, and nodes and cells have another order since; read the frames")
-        return np.stack([frame.field(name).values[rows] for frame in self.frames])
+        try:
+            return np.stack([frame.field(name).values[rows] for frame in self.frames])
+        except IndexError as error:
+            if isinstance(error, PliantError):
+                raise
+            raise InputError(f"rows: numbers of nodes or cells are expected, or as many booleans as there are: {error}") from None
 
     @property
     def tendons(self) -> "dict[str, Line]":

@@ -15,7 +15,8 @@ import yaml
 
 from . import notebook
 from .checkpoint import Checkpoint
-from .error import PliantError
+from .checks import path_of, positive_of, short
+from .error import FILE, InputError, PliantError
 from .history import History
 from .result import Result
 
@@ -53,8 +54,14 @@ class Run:
     @functools.cached_property
     def summary(self) -> "dict[str, Any]":
         """How it ended, where the time went, what the solver did (summary.json)."""
-        with open(os.path.join(self.directory, "summary.json"), encoding="utf-8") as file:
-            return json.load(file)
+        name = os.path.join(path_of(self.directory, "the directory of a run"), "summary.json")
+        try:
+            with open(name, encoding="utf-8") as file:
+                return json.load(file)
+        except OSError as error:
+            raise PliantError(f"{name}: {error.strerror}; a run writes it at its end", FILE) from None
+        except ValueError as error:
+            raise PliantError(f"{name} is not the summary of a run: {error}", FILE) from None
 
     def gradient(self, weights: "Mapping[str, Any]", to: Sequence[str] = (), *, fields: Sequence[str] = (), ranks: int = 1,
                  timeout: Optional[float] = None, kept_steps: Optional[int] = None) -> "Gradient":
@@ -62,6 +69,8 @@ class Run:
         number for each row of the history. The run is computed again, into `gradient` in its directory; everything else as in
         `pliant.gradient`."""
         from .studies import gradient
+        if not isinstance(weights, Mapping):
+            raise InputError(f"weights: a dictionary of arrays is expected, such as {{'tip_z': w}}, not {short(weights)}")
         return gradient(os.path.join(self.directory, "run.yaml"), {"time": self.history.time, **weights}, to=to, fields=fields,
                         output=os.path.join(self.directory, "gradient"), ranks=ranks, timeout=timeout, kept_steps=kept_steps,
                         _steps=int(self.history["step"][-1]))
@@ -104,7 +113,7 @@ class _Dumper(yaml.SafeDumper):
         if isinstance(data, os.PathLike):
             return self.represent_str(os.fspath(data))
         hint = "; a formula is a text, such as 'sin(t)'" if callable(data) else ""
-        raise PliantError(f"an input cannot hold {data!r}, a {type(data).__name__}{hint}")
+        raise InputError(f"an input cannot hold {data!r}, a {type(data).__name__}{hint}")
 
 
 _Dumper.add_multi_representer(object, _Dumper.represent_undefined)
@@ -122,33 +131,48 @@ def run(source: "Union[Path, Mapping[str, Any]]", overrides: "Optional[Mapping[s
 
     PliantError with the program's message if it fails; subprocess.TimeoutExpired if it takes too long.
     """
-    settings = settings_of(overrides, output) + ["--continue"] * go_on
+    settings = settings_of(overrides, output) + ["--continue"] * bool(go_on)
     content = content_of(source)
     if content is None:
         return _finished(["run", os.fspath(source), *settings], ranks, petsc_options, timeout)  # type: ignore[arg-type]
-    handle, name = tempfile.mkstemp(prefix=".pliant-", suffix=".yaml", dir=os.getcwd())
+    try:
+        handle, name = tempfile.mkstemp(prefix=".pliant-", suffix=".yaml", dir=os.getcwd())
+    except OSError as error:
+        raise PliantError(f"the input cannot be written into the current directory {os.getcwd()}: {error.strerror}", FILE) from None
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as file:
             file.write(content)
-        if output is None and "directory" not in ((yaml.safe_load(content) or {}).get("output") or {}):
+        if output is None and not _names_directory(content):
             settings += ["--output", os.path.abspath("out")]
         return _finished(["run", name, *settings], ranks, petsc_options, timeout)
     except PliantError as error:
+        if name not in str(error):
+            raise
         raise PliantError(str(error).replace(name, "input"), error.code) from None
     finally:
         os.unlink(name)
 
 
+def _names_directory(content: str) -> bool:
+    """Does this input say where its results go? What is wrong with it is for the program to say."""
+    try:
+        given = yaml.safe_load(content)
+    except yaml.YAMLError:
+        return False
+    output = given.get("output") if isinstance(given, Mapping) else None
+    return isinstance(output, Mapping) and "directory" in output
+
+
 def resume(checkpoint: Path, overrides: "Optional[Mapping[str, Any]]" = None, *, output: Optional[Path] = None, ranks: int = 1,
            petsc_options: Sequence[str] = (), timeout: Optional[float] = None) -> Run:
     """Resumes from a checkpoint, or from the newest one in a directory; otherwise as `run`."""
-    return _finished(["resume", os.fspath(checkpoint), *settings_of(overrides, output)], ranks, petsc_options, timeout)
+    return _finished(["resume", path_of(checkpoint, "checkpoint"), *settings_of(overrides, output)], ranks, petsc_options, timeout)
 
 
 def content_of(source: "Union[Path, Mapping[str, Any]]") -> Optional[str]:
     """The text of an input that is given as such, or as a dictionary; None for the name of a file."""
     if not isinstance(source, (Mapping, str, os.PathLike)):
-        raise PliantError(f"an input is a file, its text, or a dictionary, not {source!r}")
+        raise InputError(f"an input is a file, its text, or a dictionary, not {short(source)}")
     if isinstance(source, Mapping):
         return yaml.dump(source, Dumper=_Dumper, sort_keys=False)
     return os.fspath(source) if "\n" in os.fspath(source) else None
@@ -156,21 +180,22 @@ def content_of(source: "Union[Path, Mapping[str, Any]]") -> Optional[str]:
 
 def settings_of(overrides: "Optional[Mapping[str, Any]]", output: Optional[Path]) -> "list[str]":
     """The options of the command line."""
-    if output is not None and not os.fspath(output):
-        raise PliantError("output: the name is empty")
     settings = []
     for key, value in changes_of(overrides):
         settings += ["--set", f"{key}={value}"]
     if output is not None:
-        settings += ["--output", os.path.abspath(output)]
+        settings += ["--output", os.path.abspath(path_of(output, "output"))]
     return settings
 
 
 def changes_of(overrides: "Optional[Mapping[str, Any]]") -> "list[tuple[str, str]]":
     """Keys of the input and what is put there, in YAML."""
     if overrides is not None and not isinstance(overrides, Mapping):
-        raise PliantError(f"overrides: a dictionary is expected, such as {{'time.step': '5 ms'}}, not {overrides!r}")
-    return [(str(key), _flow(value)) for key, value in (overrides or {}).items()]
+        raise InputError(f"values of the input: a dictionary is expected, such as {{'time.step': '5 ms'}}, not {short(overrides)}")
+    for key in overrides or {}:
+        if not isinstance(key, str):
+            raise InputError(f"a key of the input is a text, such as 'time.step' or 'loads.0.gravity', not {short(key)}")
+    return [(key, _flow(value)) for key, value in (overrides or {}).items()]
 
 
 def _flow(value: Any) -> str:
@@ -185,17 +210,28 @@ def completed(arguments: "list[str]", ranks: int, petsc_options: Sequence[str], 
               accepted: "tuple[int, ...]" = (0,)) -> "subprocess.CompletedProcess[str]":
     """Starts the program and waits for its end; PliantError unless the exit code is one of those accepted."""
     if not isinstance(ranks, (int, np.integer)) or ranks < 1:
-        raise PliantError(f"ranks={ranks!r}: a whole number from 1 is needed")
-    command = [program(), *arguments]
-    if petsc_options:
-        command += ["--", *petsc_options]
+        raise InputError(f"ranks={ranks!r}: a whole number from 1 is needed")
+    if timeout is not None:
+        timeout = positive_of(timeout, "timeout, a time [s]")
+    command = [program(), *arguments, *_petsc_options(petsc_options)]
     if ranks > 1:
         command = ["mpirun", "--quiet", "--bind-to", "none", "--oversubscribe", "-n", str(ranks), *command]
     environment = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ}
-    done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL, env=environment, timeout=timeout, check=False)
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL, env=environment, timeout=timeout, check=False)
+    except OSError as error:
+        raise PliantError(f"{command[0]} could not be started: {error.strerror}", FILE) from None
     if done.returncode not in accepted:
         raise PliantError(done.stderr.strip() or f"pliant ended with {done.returncode}", done.returncode)
     return done
+
+
+def _petsc_options(given: Sequence[str]) -> "list[str]":
+    """As the command line has them."""
+    is_list = isinstance(given, Sequence) and not isinstance(given, (str, bytes))
+    if not is_list or not all(isinstance(word, (str, int, float)) for word in given):
+        raise InputError(f"petsc_options: a list of words is expected, such as ['-ksp_type', 'cg'], not {short(given)}")
+    return ["--", *map(str, given)] if given else []
 
 
 def _finished(arguments: "list[str]", ranks: int, petsc_options: Sequence[str], timeout: Optional[float]) -> Run:

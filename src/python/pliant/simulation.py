@@ -15,13 +15,16 @@ from typing import Any, Optional, Union
 
 import numpy as np
 
-from .error import InputError, PliantError, SolveError
+from .checks import array_of, number_of, path_of, require_finite, short
+from .error import InputError, MissingError, PliantError, SolveError
 from .runs import Path, changes_of, content_of, program
 
 log = logging.getLogger("pliant")
 
 #: How long a rank that ends with an exception waits for the others before it ends them [s].
 PATIENCE = 5.0
+
+_NOTHING = object()  # where no value is given
 
 _module: Optional[ModuleType] = None
 _cores: "list[Any]" = []  # of simulations that are not closed; the same order on every rank
@@ -121,6 +124,8 @@ class NamedSurface:
     """
 
     def __init__(self, simulation: "Simulation", name: str) -> None:
+        if not isinstance(name, str):
+            raise MissingError(f"the name of a surface is expected, not {short(name)}; there are {', '.join(simulation.surfaces) or 'none'}")
         self._simulation = simulation
         self.name = name
         with simulation._calls() as core:
@@ -170,11 +175,9 @@ class NamedSurface:
             core.move(self.name, values)
 
     def _checked(self, values: Any, name: str) -> np.ndarray:
-        array = np.asarray(values, dtype=float)
-        if array.shape != (len(self.nodes), 3):
-            raise InputError(f"{name} on surface '{self.name}': an array of shape ({len(self.nodes)}, 3) is needed, not {array.shape}")
-        if not np.isfinite(array).all():
-            raise InputError(f"{name} on surface '{self.name}': {np.count_nonzero(~np.isfinite(array))} numbers are not finite")
+        what = f"{name} on surface '{self.name}'"
+        array = array_of(values, what, (len(self.nodes), 3))
+        require_finite(array, what)
         return array
 
 
@@ -201,7 +204,9 @@ class Simulation:
         name = "input" if content is not None else os.fspath(source)  # type: ignore[arg-type]
         changes = changes_of(set)
         if output is not None:
-            changes.append(("output.directory", os.path.abspath(output)))
+            changes.append(("output.directory", os.path.abspath(path_of(output, "output"))))
+        if comm is not None and not hasattr(comm, "py2f"):
+            raise InputError(f"comm: a communicator of mpi4py is expected, such as MPI.COMM_WORLD, not {short(comm)}")
         handle = None if comm is None else comm.py2f()
         self._module = _started()
         with _failures(self._module):
@@ -285,10 +290,12 @@ class Simulation:
 
     def run(self, until: Optional[float] = None) -> None:
         """Completes steps up to the first that ends at `until` or later [s], or to the end. Collective."""
+        if until is not None and until != np.inf:
+            until = number_of(until, "until, a time [s]")
         while not self.done and (until is None or self.time < until * (1 - 1e-9)):
             self.advance()
 
-    def set(self, key: "Union[str, Mapping[str, Any]]", value: Any = None) -> None:
+    def set(self, key: "Union[str, Mapping[str, Any]]", value: Any = _NOTHING) -> None:
         """Replaces a value of the input, or several by key, from the next step on: a number or a formula, as in the input. Keys are those
         of `--set`: "cavities.chamber.pressure", "loads.0.traction.2".
 
@@ -297,6 +304,10 @@ class Simulation:
         `time.min_step` can change; InputError, a ValueError, for everything else. A number that prescribes a motion is reached at the end
         of the next step as it is planned (`move`), at constant velocity; where it replaces a formula of the position, and a formula, count as they are.
         Collective."""
+        if isinstance(key, Mapping) != (value is _NOTHING):
+            raise InputError("set takes a key and a value, such as set('loads.0.gravity', [0, 0, -1]), or a dictionary of them")
+        if not isinstance(key, (str, Mapping)):
+            raise InputError(f"a key of the input is a text, such as 'time.step' or 'loads.0.gravity', not {short(key)}")
         changes = changes_of(key if isinstance(key, Mapping) else {key: value})
         with self._calls() as core:
             core.set(changes)
@@ -316,16 +327,16 @@ class Simulation:
         columns = self.columns
         if column not in columns:
             near = difflib.get_close_matches(str(column), columns, 3) or columns
-            raise InputError(f"the history has no column '{column}'; there are {', '.join(near)}")
+            raise MissingError(f"the history has no column '{column}'; there are {', '.join(near)}")
         return float(self._ask("row")[columns.index(column)])
 
     def of_nodes(self, what: str, *, own: bool = False) -> np.ndarray:
         """`coordinates` (reference), `displacement` [m] or `velocity` [m/s]: (nodes, 3) in the order of result.h5 of a run on as many
         ranks; of all nodes, on every rank (collective), or of those that this rank owns, `own_nodes`."""
         if what not in ("coordinates", "displacement", "velocity"):
-            raise InputError(f"'{what}' is not a field of nodes here; there are coordinates, displacement, velocity")
+            raise MissingError(f"'{what}' is not a field of nodes here; there are coordinates, displacement, velocity")
         with self._calls() as core:
-            return core.of_nodes(what, own)
+            return core.of_nodes(what, bool(own))
 
     @property
     def own_nodes(self) -> range:

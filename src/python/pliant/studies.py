@@ -8,7 +8,8 @@ from typing import Any, Optional
 
 import numpy as np
 
-from .error import PliantError
+from .checks import array_of, input_file_of, names_of, number_of, path_of, require_finite, short
+from .error import FILE, InputError, MissingError, PliantError
 from .result import Result
 from .runs import Path, completed, settings_of
 
@@ -28,7 +29,7 @@ class Sensitivity:
     def derivative(self, column: str, number: str) -> np.ndarray:
         """(n,): d column / d number."""
         if column not in self.jacobians or number not in self.numbers:
-            raise PliantError(f"'{column}' was not differentiated by '{number}'; columns: {', '.join(self.jacobians)}; numbers: "
+            raise MissingError(f"'{column}' was not differentiated by '{number}'; columns: {', '.join(self.jacobians)}; numbers: "
                               f"{', '.join(self.numbers)}")
         return self.jacobians[column][:, list(self.numbers).index(number)]
 
@@ -88,9 +89,10 @@ def modes(source: Path, *, number: int = 10, near: Optional[float] = None, unloa
 
     PliantError with the program's message if it fails; subprocess.TimeoutExpired if it takes too long.
     """
-    directory = os.path.abspath(output)
-    arguments = ["--number", str(number), *(["--near", repr(float(near))] if near is not None else []), *["--unloaded"] * unloaded]
-    completed(["modes", os.fspath(source), *arguments, *settings_of(overrides, output)], ranks, petsc_options, timeout)
+    directory = os.path.abspath(path_of(output, "output"))
+    at = ["--near", repr(number_of(near, "near, a frequency [Hz]"))] if near is not None else []
+    arguments = ["--number", str(number), *at, *["--unloaded"] * bool(unloaded)]
+    completed(["modes", input_file_of(source, "modes"), *arguments, *settings_of(overrides, output)], ranks, petsc_options, timeout)
     table = _table(directory, "modes.csv", True)
     mass = np.stack([table[f"effective_mass_{axis}"] for axis in "xyz"], axis=1)
     shapes = np.stack([frame["mode_shape"] for frame in Result(directory).frames])
@@ -107,10 +109,11 @@ def sensitivity(source: Path, *, of: Sequence[str], to: Sequence[str], overrides
 
     PliantError with the program's message if it fails; subprocess.TimeoutExpired if it takes too long.
     """
-    if isinstance(of, str) or isinstance(to, str) or not of or not to:
-        raise PliantError("of and to are lists of names, such as of=['tip_z'], to=['bodies.0.density']")
-    directory = os.path.abspath(output)
-    completed(["sensitivity", os.fspath(source), "--of", ",".join(of), "--to", ",".join(to), *settings_of(overrides, output)], ranks,
+    of, to = names_of(of, "of", "tip_z"), names_of(to, "to", "bodies.0.density")
+    if not of or not to:
+        raise InputError("of and to are lists of names, such as of=['tip_z'], to=['bodies.0.density']; one of them is empty")
+    directory = os.path.abspath(path_of(output, "output"))
+    completed(["sensitivity", input_file_of(source, "sensitivity"), "--of", ",".join(of), "--to", ",".join(to), *settings_of(overrides, output)], ranks,
               petsc_options, timeout)
     with open(os.path.join(directory, "sensitivity.csv"), encoding="utf-8", newline="") as file:
         header, *rows = csv.reader(file)
@@ -137,21 +140,23 @@ def gradient(source: Path, weights: "Mapping[str, Any]", *, to: Sequence[str] = 
 
     PliantError with the program's message if it fails; subprocess.TimeoutExpired if it takes too long.
     """
-    if isinstance(to, str) or isinstance(fields, str) or not (to or fields):
-        raise PliantError("to and fields are lists of names, such as to=['bodies.0.density']; one of them is needed")
-    columns = {name: np.asarray(column, dtype=float) for name, column in weights.items()}
-    if "time" not in columns or any(column.shape != (len(columns["time"]),) for column in columns.values()):
-        raise PliantError("weights: a dictionary of equally long arrays is expected, with 'time' and columns of the history")
-    directory = os.path.abspath(output)
-    os.makedirs(directory, exist_ok=True)
+    to, fields = names_of(to, "to", "bodies.0.density"), names_of(fields, "fields", "bodies.0.density")
+    if not (to or fields):
+        raise InputError("to and fields are lists of names, such as to=['bodies.0.density']; one of them is needed")
+    name, columns = input_file_of(source, "gradient"), _columns_of(weights)
+    directory = os.path.abspath(path_of(output, "output"))
     file = os.path.join(directory, "weights.csv")
-    with open(file, "w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows([repr(x) for x in row] for row in np.stack(list(columns.values()), axis=1).tolist())
+    try:
+        os.makedirs(directory, exist_ok=True)
+        with open(file, "w", encoding="utf-8", newline="") as stream:
+            writer = csv.writer(stream, lineterminator="\n")
+            writer.writerow(columns)
+            writer.writerows([repr(x) for x in row] for row in np.stack(list(columns.values()), axis=1).tolist())
+    except OSError as error:
+        raise PliantError(f"{error.filename}: {error.strerror}", FILE) from None
     arguments = ["--to", ",".join(to)] * bool(to) + ["--fields", ",".join(fields)] * bool(fields)
     arguments += ["--kept-steps", str(kept_steps)] * (kept_steps is not None)
-    done = completed(["sensitivity", os.fspath(source), "--adjoint", file, *arguments, *settings_of(overrides, output)], ranks,
+    done = completed(["sensitivity", name, "--adjoint", file, *arguments, *settings_of(overrides, output)], ranks,
                      petsc_options, timeout)
     steps = int(re.search(r"over (\d+) steps", done.stdout)[1])
     if _steps not in (None, steps):
@@ -172,6 +177,20 @@ def gradient(source: Path, weights: "Mapping[str, Any]", *, to: Sequence[str] = 
                     cells["cell"].astype(np.int64), _positions(cells), _positions(nodes))
 
 
+def _columns_of(weights: "Mapping[str, Any]") -> "dict[str, np.ndarray]":
+    """Those of the file of weights."""
+    if not isinstance(weights, Mapping) or not all(isinstance(name, str) for name in weights):
+        raise InputError(f"weights: a dictionary of arrays is expected, with 'time' and columns of the history, not {short(weights)}")
+    if "time" not in weights:
+        raise InputError(f"weights: 'time' [s] is missing; there are {', '.join(weights) or 'none'}")
+    columns = {name: array_of(column, f"weights['{name}']", (None,)) for name, column in weights.items()}
+    for name, column in columns.items():
+        if len(column) != len(columns["time"]):
+            raise InputError(f"weights: '{name}' has {len(column)} values, and 'time' has {len(columns['time'])}: equally many are needed")
+        require_finite(column, f"weights['{name}']")
+    return columns
+
+
 def _table(directory: str, name: str, exists: bool) -> "dict[str, np.ndarray]":
     if not exists:
         return {column: np.zeros(0) for column in ("cell", "x", "y", "z")}
@@ -189,7 +208,7 @@ def fit(file: Path, *, output: Optional[Path] = None, ranks: int = 1, timeout: O
 
     PliantError with the program's message if it fails; subprocess.TimeoutExpired if it takes too long.
     """
-    done = completed(["fit", os.fspath(file), *settings_of(None, output)], ranks, (), timeout, accepted=(0, NOT_CONVERGED))
+    done = completed(["fit", path_of(file, "fit"), *settings_of(None, output)], ranks, (), timeout, accepted=(0, NOT_CONVERGED))
     line = next(line for line in reversed(done.stdout.splitlines()) if line.startswith("results: "))
     directory = os.path.abspath(line[len("results: "):].split("/report.html,")[0])
     with open(os.path.join(directory, "fit.csv"), encoding="utf-8", newline="") as table:

@@ -3,6 +3,8 @@ from typing import Optional
 
 import numpy as np
 
+from .checks import array_of, short
+from .error import InputError
 from .result import Mesh
 
 # The faces of a tetrahedron, seen from outside counterclockwise: corners, then the nodes on the sides 01, 12, 20.
@@ -24,11 +26,15 @@ class Surface:
 
     def __init__(self, mesh: Mesh, divisions: Optional[int] = None, *, cells: Optional[np.ndarray] = None) -> None:
         """`cells`: numbers of those whose outside is meant, such as `np.nonzero(mesh.body == 1)[0]`; default: all."""
+        if not isinstance(mesh, Mesh):
+            raise InputError(f"Surface: a mesh is expected, such as result.mesh(), not {short(mesh)}")
+        if divisions is not None and (not isinstance(divisions, (int, np.integer)) or divisions < 1):
+            raise InputError(f"divisions: a whole number from 1 is expected, not {short(divisions)}")
         rng = np.random.default_rng(0)
         # Sums of random 64-bit numbers name sets of nodes: equal sets have equal sums, others practically never.
         self._label = rng.integers(1, 2**63, size=len(mesh.coordinates), dtype=np.uint64)
         self._mesh = mesh
-        self._cells = np.arange(len(mesh.cells)) if cells is None else np.asarray(cells)
+        self._cells = np.arange(len(mesh.cells)) if cells is None else _numbers_of(cells, len(mesh.cells))
         quadratic = mesh.cells.shape[1] == 10
         is_mass, is_rod = (np.isin(np.array(mesh.body_names), names)[mesh.body[self._cells]] for names in (mesh.masses, mesh.rods + mesh.sections))
         of_mesh, masses = self._cells[~(is_mass | is_rod)], self._cells[is_mass]
@@ -116,11 +122,13 @@ class Surface:
     def of_nodes(self, values: np.ndarray) -> np.ndarray:
         """Nodal values (rows x components) at the points, interpolated by the shape functions of the elements, as positions are. Those of
         quadratic elements overshoot: between nodes with the values 0, 0 and 1 they are negative."""
+        values = array_of(values, "nodal values", (len(self._mesh.coordinates), None))
         return np.einsum("pk,pkc->pc", self._weights, values[self._nodes])
 
     def field_of_nodes(self, values: np.ndarray) -> np.ndarray:
         """Nodal values (rows x components) at the points as `of_nodes` has them, but not beyond those of the nodes around each point: for
         fields, which would otherwise seem to have values that occur nowhere."""
+        values = array_of(values, "nodal values", (len(self._mesh.coordinates), None))
         of_nodes, around = values[self._nodes], (self._weights != 0)[..., None]
         low = np.where(around, of_nodes, np.inf).min(axis=1)
         high = np.where(around, of_nodes, -np.inf).max(axis=1)
@@ -132,6 +140,7 @@ class Surface:
 
     def nodal_means(self, values: np.ndarray) -> np.ndarray:
         """Cell values averaged to the nodes of the mesh, weighted by volume; 0 away from the cells of the surface."""
+        values = array_of(values, "cell values", (len(self._mesh.cells), None))
         cells = self._mesh.cells[self._cells]
         corners = cells[:, :4]
         a, b, c, d = (self._mesh.coordinates[corners[:, i]] for i in range(4))
@@ -144,6 +153,18 @@ class Surface:
         return np.stack(
             [np.bincount(nodes, weight * np.repeat(column, cells.shape[1]), num_nodes) / total
              for column in values[self._cells].T], axis=1)
+
+
+def _numbers_of(cells: object, count: int) -> np.ndarray:
+    """Numbers of cells, below `count`."""
+    numbers = np.asarray(cells)
+    if numbers.dtype == bool and numbers.shape == (count,):
+        return np.nonzero(numbers)[0]
+    if numbers.size == 0:
+        numbers = numbers.astype(int)
+    if numbers.ndim != 1 or not np.issubdtype(numbers.dtype, np.integer) or np.any((numbers < 0) | (numbers >= count)):
+        raise InputError(f"cells: numbers from 0 to {count - 1} are expected, or a boolean for each cell, not {short(cells)}")
+    return numbers
 
 
 def _sphere(divisions: int = 3) -> "tuple[np.ndarray, np.ndarray]":
