@@ -7,6 +7,7 @@ import io
 import os
 import re
 import shutil
+import subprocess
 import sys
 import types
 import unittest
@@ -207,6 +208,25 @@ class Package(ProgramTest):
             pliant.Run("out", "").summary
         with mock.patch.dict(os.environ, {"PLIANT": "/missing/pliant"}), self.assertRaisesRegex(pliant.PliantError, "/missing/pliant could not be started"):
             pliant.run(INPUT)
+
+    def test_runs_that_ranks_of_mpirun_start(self):
+        """Each rank starts a job of its own, before and after it has started MPI itself."""
+        self.write("script.py", f"""
+import os, sys
+sys.path.insert(0, {str(ROOT / 'src/python')!r})
+import pliant
+rank = os.environ["OMPI_COMM_WORLD_RANK"]
+text = {INPUT!r}
+print(pliant.run(text, {{"time.end": "20 ms"}}, output="out" + rank).summary["ranks"])
+with pliant.Simulation(text) as sim:
+    sim.advance()
+    print(pliant.run(text, {{"time.end": "20 ms"}}, output="both" + rank, ranks=2).summary["ranks"])
+""")
+        call = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", "2", "/usr/bin/python3", "script.py"]
+        done = subprocess.run(call, env=os.environ, text=True, capture_output=True, timeout=100, check=False)
+        self.assertEqual((done.returncode, sorted(done.stdout.split())), (0, ["1", "1", "2", "2"]), done.stderr)
+        for name in ("out0", "out1", "both0", "both1"):
+            self.assertEqual(len(pliant.Result(name)), 3)
 
     def test_notebooks(self):
         """What a cell shows of a run, its result and its history, without a notebook."""

@@ -4,6 +4,7 @@ import functools
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import tempfile
@@ -95,6 +96,18 @@ def program() -> str:
             if os.access(folder / place, os.X_OK) and (folder / place).is_file():
                 return str(folder / place)
     raise PliantError("the program pliant was not found; put it on PATH, or name it in the environment variable PLIANT")
+
+
+# What launchers of MPI (Open MPI's mpirun and its PMIx, MPICH's, srun) say to the processes that they start: with it a program that such a
+# process starts would take the place of that process in its job, and fail in MPI_Init, or wait for it.
+_OF_LAUNCHERS = re.compile(r"(PMIX?|PRTE|HYDI?|MPIEXEC|MPI_LOCAL\w+|OMPI_COMM_WORLD|OMPI_MCA_(orte|ess|prte|pmix))(_|$)|"
+                           r"OMPI_(COMMAND|ARGV|UNIVERSE_SIZE|NUM_APP_CTX|FIRST_RANKS|APP_CTX_NUM_PROCS|FILE_LOCATION|MCA_initial_wdir)$")
+
+
+def _environment() -> "dict[str, str]":
+    """That of the program, which starts a job of its own even if mpirun has started this process."""
+    own = {name: value for name, value in os.environ.items() if not _OF_LAUNCHERS.match(name)}
+    return {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **own}
 
 
 class _Dumper(yaml.SafeDumper):
@@ -216,9 +229,8 @@ def completed(arguments: "list[str]", ranks: int, petsc_options: Sequence[str], 
     command = [program(), *arguments, *_petsc_options(petsc_options)]
     if ranks > 1:
         command = ["mpirun", "--quiet", "--bind-to", "none", "--oversubscribe", "-n", str(ranks), *command]
-    environment = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ}
     try:
-        done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL, env=environment, timeout=timeout, check=False)
+        done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL, env=_environment(), timeout=timeout, check=False)
     except OSError as error:
         raise PliantError(f"{command[0]} could not be started: {error.strerror}", FILE) from None
     if done.returncode not in accepted:
