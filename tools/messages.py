@@ -21,6 +21,14 @@ PLACES = {
     "mesh": "Mesh files", "run": "A run", "time": "A run", "solver": "A run", "energy": "The input and its mesh",
     "fem": "The input and its mesh", "study": "Studies", "io": "Files", "petsc": "Files", "base": "Numbers, formulas and files",
 }
+# And parts that several messages share: what is expected, what there is, what is meant.
+PARTS = re.compile(r"an? (?:list with|map of|place \[|empty list)|the (?:lower corner|whole mesh|file says)|true or false|…(?:at least|at most|exactly) one|"
+                   r"between |from … to|shortening|before its|within the data|where a name|elements of type|… in an entity|… of the mesh's|… levels|… with|"
+                   r"with … Prony|rigid (?:bodies alone|parts that)|smoothed|length of|mesh size|What the data|none with|can move|one is given|time\.path|"
+                   r"line …: …<|no run has this|overlap by up to|it contains no …")
+# First words of a message whose subject the code puts before it; and of what only continues one.
+VERBS = "is|are|has|have|needs?|must|should|does|do|belongs|uses"
+CONJUNCTIONS = "and|or|but|which"
 FEWEST_WORDS = 3  # of a message: less is a part of one
 
 TOKEN = re.compile(r"""(?P<skip>//[^\n]*|/\*.*?\*/|'(?:\\.|[^'\\\n])'|\b\d[\w'.]*)
@@ -74,12 +82,26 @@ def patterns(code, literals):
 
 
 def tidy(text):
-    text = re.sub(r"\s+", " ", text.replace("\\n", " ")).strip(" ;:,")
+    """In one line, and complete: '…' also for what code adds before the first literal and behind the last, as spaces and quotes there show."""
+    text = re.sub(r"\s+", " ", text.replace("\\n", " "))
+    text = re.sub(r"^ ?(?:…[>'\])]* ?)?[>'\])]*(?=[:;])", "…", text)
+    if re.match(rf" |'?(?:{VERBS})\b(?!.*\?$)", text):
+        text = "…" + text if text.startswith(" ") else "… " + text
+    if text.endswith(" '"):
+        text += "…'"
+    elif re.search(r"[ (\[]$|[ …]in row$|[ …](?:not|but|needs)$", text):
+        text = text.rstrip(" ([") + " …"
+    text = text.strip(" ;:,")
     return re.sub(r"(?:… ?){2,}", "… ", text).strip()
 
 
+def continues_another(text):
+    """Is it only the end of a message, whose beginning is in another statement?"""
+    return re.match(rf"…? ?(?:[(;,.)](?!\.)|(?:{CONJUNCTIONS})\b)", text) is not None
+
+
 def is_message(text):
-    return not NOT_MESSAGES.match(text) and len(re.findall(r"(?<![\w-])[A-Za-z]+(?![\w-])", text)) >= FEWEST_WORDS
+    return not NOT_MESSAGES.match(text) and not PARTS.match(text) and not continues_another(text) and len(re.findall(r"(?<![\w-])[A-Za-z]+(?![\w-])", text)) >= FEWEST_WORDS
 
 
 def quoted(text):

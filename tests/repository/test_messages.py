@@ -33,6 +33,19 @@ class Messages(unittest.TestCase):
         self.assertEqual(self.found('notices.push_back(fmt::format("{} of {:.3g} m is left", n, x));'), ["… of … m is left"])
         self.assertEqual(self.found('throw MeshDefect(name + " must hold numbers");'), ["… must hold numbers"])
 
+    def test_entries_are_whole_messages(self):
+        """What the code adds before and behind stands there as '…', and what only continues another message has no entry."""
+        for code, expected in (('fail("has no array \'" + name + \'\\\'\');', "… has no array '…'"), ('fail(fmt::format("the section says ", n));', "the section says …"),
+                               ('fail(where + ": the file is damaged");', "…: the file is damaged"), ('fail("\': the file is damaged");', "…: the file is damaged")):
+            self.assertEqual(self.found(code), [expected])
+        messages = tool()
+        for part in ("(a power is written '^')…", "…; choose a direction across it", "or reverse 'normal', which must point up", "true or false"):
+            self.assertFalse(messages.is_message(part), part)
+        for places in messages.messages().values():
+            for text in places:
+                self.assertRegex(text, r"^[\w'`*$…\[./-]")
+                self.assertNotRegex(text, r"(?:\(| in row| not| ')$|^…['>)]")
+
     def test_several_messages_stay_apart(self):
         self.assertEqual(self.found('if (a) fail("one is wrong"); else fail("two is wrong");'), ["one is wrong", "two is wrong"])
         self.assertEqual(self.found('errors.push_back({where, "one is wrong"});\nwarn("two is odd");'), ["one is wrong", "two is odd"])
