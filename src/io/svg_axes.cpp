@@ -153,13 +153,35 @@ double largest_magnitude(const std::vector<double>& values) {
   return largest;
 }
 
+std::string with_superscripts(const std::string& text) {
+  static constexpr std::array<const char*, 10> digits{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  const auto is_digit = [&](std::size_t at) { return at < text.size() && text[at] >= '0' && text[at] <= '9'; };
+  std::string result;
+  for (std::size_t at = 0; at < text.size();) {
+    const bool is_negative = at + 1 < text.size() && text[at + 1] == '-';
+    const std::size_t first = at + (is_negative ? 2 : 1);
+    std::size_t end = first;
+    while (is_digit(end)) ++end;
+    const bool is_whole = end > first && !(end < text.size() && text[end] == '.' && is_digit(end + 1));
+    if (text[at] != '^' || !is_whole) {
+      result += text[at++];
+      continue;
+    }
+    if (is_negative) result += "⁻";
+    for (std::size_t k = first; k < end; ++k) result += digits[static_cast<std::size_t>(text[k] - '0')];
+    at = end;
+  }
+  return result;
+}
+
 std::string svg_line(double x1, double y1, double x2, double y2, const std::string& style) {
   return fmt::format("<line x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" class=\"{}\"/>\n", x1, y1, x2, y2,
                      style);
 }
 
 std::string svg_text(double x, double y, const std::string& style, const std::string& content) {
-  return fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" class=\"{}\">{}</text>\n", x, y, style, xml_escaped(content));
+  return fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" class=\"{}\">{}</text>\n", x, y, style,
+                     xml_escaped(with_superscripts(content)));
 }
 
 std::string draw_axes(const Axes& axes, const std::string& x_label, const std::string& y_label) {
@@ -179,7 +201,7 @@ std::string draw_axes(const Axes& axes, const std::string& x_label, const std::s
   out += "</g>\n" + svg_text((left + right) / 2, bottom + 44, "label middle", x_label);
   const double middle = (top + bottom) / 2;
   return out + fmt::format("<text transform=\"translate(22,{:.2f}) rotate(-90)\" class=\"label middle\">{}</text>\n",
-                           middle, xml_escaped(y_label));
+                           middle, xml_escaped(with_superscripts(y_label)));
 }
 
 std::size_t num_letters(const std::string& utf8) {
@@ -193,8 +215,8 @@ std::string svg_head(double width, double height, const std::string& title, cons
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
       "aria-labelledby=\"title description\">\n",
       width, height);
-  out += "<title id=\"title\">" + xml_escaped(title) + "</title>\n";
-  out += "<desc id=\"description\">" + xml_escaped(description) + "</desc>\n" + style;
+  out += "<title id=\"title\">" + xml_escaped(with_superscripts(title)) + "</title>\n";
+  out += "<desc id=\"description\">" + xml_escaped(with_superscripts(description)) + "</desc>\n" + style;
   out += "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
   return out;
 }

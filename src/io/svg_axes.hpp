@@ -54,6 +54,9 @@ struct HandyLabel {
   double factor = 1.0;  ///< the new unit in the given one: what values are divided by
 };
 
+/// The text with powers as people write them: "density [kg/m³]" for "density [kg/m^3]". Powers that are not whole stay.
+std::string with_superscripts(const std::string& text);
+
 /// `largest`: of the magnitudes of the values. Units that are not SI, such as mm, and labels without one stay as they
 /// are.
 HandyLabel handy_label(const std::string& label, double largest);

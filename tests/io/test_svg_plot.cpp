@@ -194,7 +194,8 @@ TEST(SvgPlot, LinearAxesHaveUnitsThatSuitTheirValues) {
   EXPECT_NE(picture.find(">tip_z [mm]</text>"), std::string::npos);
   EXPECT_NE(picture.find(">-40</text>"), std::string::npos);
   const std::vector<std::array<std::string, 2>> units{
-      {"[Pa]", "[kPa]"}, {"[m^3]", "[cm^3]"}, {"[kg]", "[kg]"}, {"[mm]", "[mm]"}};
+      {"[Pa]", "[kPa]"},      {"[m^3]", "[cm³]"}, {"[kg/m^3]", "[kg/m³]"}, {"[m s^-2]", "[m s⁻²]"},
+      {"[m^2.5]", "[m^2.5]"}, {"[kg]", "[kg]"},   {"[mm]", "[mm]"}};
   for (const auto& [given, shown] : units) {
     plot.y_label = "value " + given;
     plot.series[0].y = {0.0, given == "[m^3]" ? 2e-6 : 5e3};

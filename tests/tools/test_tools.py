@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from unittest import mock
 
 import h5py
 import numpy as np
@@ -586,6 +587,8 @@ class Plots(WithResult):
         figure, (x, y) = axes_of(["wall_fz"])
         self.assertEqual((x[0], y[0]), ("time [ms]", "force of wall in z [mN]"))
         self.assertIn("\u221220", y)
+        with mock.patch.object(plot, "unit_of_column", lambda *_: "kg/m^3"):
+            self.assertEqual(axes_of(["hinge_tx"])[1][1][0], "torque of hinge about x [kg/m³]")
         self.assertEqual(axes_of(["tip_ux"])[1][1][0], "displacement of tip in x [m]")
         for joint, moves, unit in (("slide", "travel", "N"), ("knee", "angle", "N m")):
             history |= {f"{joint}_{moves}": np.zeros(4), f"{joint}_effort": np.linspace(0, 2, 4)}

@@ -4,7 +4,7 @@ import re
 import matplotlib
 import numpy as np
 
-from .page import decimals_of, prefixed
+from .page import decimals_of, prefixed, typeset
 
 # Endings of the columns of a history with a direction after them, and without one, and what they are.
 OF_DIRECTIONS = (("_f", "force of {} in {}"), ("_t", "torque of {} about {}"), ("_j", "impulse of {} in {}"), ("_v", "velocity of {} in {}"),
@@ -57,9 +57,9 @@ def use_handy_units(axes):
     """Where a label ends in a unit in brackets, as "force [N]", and values of that size have a better one."""
     for axis, interval in ((axes.xaxis, axes.dataLim.intervalx), (axes.yaxis, axes.dataLim.intervaly)):
         match = re.fullmatch(r"(.*)\[([^\[\],]+)\]", axis.get_label_text())
-        if match is None or axis.get_scale() != "linear":
+        if match is None:
             continue
-        factor, unit = handy(match[2], np.abs(interval).max())
+        factor, unit = handy(match[2], np.abs(interval).max()) if axis.get_scale() == "linear" else (1.0, match[2])
+        axis.set_label_text(f"{match[1]}[{typeset(unit)}]")
         if factor != 1.0:
-            axis.set_label_text(f"{match[1]}[{unit}]")
             axis.set_major_formatter(InUnits(factor))

@@ -127,7 +127,7 @@ class Page:
             draw.text((x + width + 1.5 * h, y), f"{value + 0.0:.{decimals}f}".replace("-", "\u2212"), INK,
                       font(2.4 * h), anchor="lm")
         scale = f"10{_superscript(exponent)} " if exponent else ""
-        self._draw_label(draw, x, f"[{scale}{_typeset(unit)}]" if unit or scale else "")
+        self._draw_label(draw, x, f"[{scale}{typeset(unit)}]" if unit or scale else "")
 
     @staticmethod
     def _only_tick(value):
@@ -169,8 +169,9 @@ def _superscript(exponent):
     return str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
-def _typeset(unit):
-    return re.sub(r"\^(-?\d+)", lambda match: _superscript(match[1]), unit).replace("*", "·")
+def typeset(unit):
+    """A unit as people write it: kg/m³ for kg/m^3."""
+    return re.sub(r"\^(-?\d+)(?![\d.])", lambda match: _superscript(match[1]), unit).replace("*", "·")
 
 
 def instants_as_text(frames, counted=""):
