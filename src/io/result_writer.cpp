@@ -103,6 +103,7 @@ ResultWriter::ResultWriter(MPI_Comm comm, const ResultPlace& place, std::string 
   mesh_ = broadcast(comm_, mesh_);
   check_mpi(MPI_Bcast(&next_frame_, 1, MPI_INT64_T, 0, comm_));
   write_mesh(mesh);
+  write_groups(mesh);
   on_root(comm_, [&] { write_text_atomically(xdmf_file_, xdmf_document(title_, grids_)); });
 }
 
@@ -131,6 +132,40 @@ void ResultWriter::write_mesh(const OutputMesh& mesh) const {
                     {"cells", int64, cells_, nodes_per_cell_, std::as_bytes(std::span(mesh.cells)), {}},
                     {"body", int32, cells_, 1, std::as_bytes(std::span(bodies)), std::move(names)},
                     {"rank", int32, cells_, 1, std::as_bytes(std::span(ranks)), {}}};
+  add_group(comm_, hdf5_file_, group, Durability::process);
+}
+
+void ResultWriter::write_groups(const OutputMesh& mesh) const {
+  if (mesh.groups.empty()) return;
+  const int nodes_per_facet = nodes_per_cell_ == 4 ? 3 : 6;
+  std::vector<std::int64_t> nodes, facets, cells;
+  std::vector<std::string> names, dimensions;
+  for (std::size_t g = 0; g < mesh.groups.size(); ++g) {
+    const OutputGroup& group = mesh.groups[g];
+    names.push_back(group.name);
+    dimensions.push_back(std::to_string(group.dimension));
+    std::vector<std::int64_t>& rows = group.dimension == 3 ? cells : group.dimension == 2 ? facets : nodes;
+    const std::size_t width = group.dimension == 2 ? static_cast<std::size_t>(nodes_per_facet) : 1;
+    for (std::size_t i = 0; i < group.entries.size(); ++i) {
+      if (i % width == 0) rows.push_back(static_cast<std::int64_t>(g));
+      rows.push_back(group.entries[i]);
+    }
+  }
+  std::string name = mesh_;
+  name.replace(0, std::string_view("mesh").size(), "groups");
+  Group group{"/", name, {}, {}};
+  group.write_attributes = [&](hid_t written) {
+    write_attribute(written, "names", lines(names));
+    write_attribute(written, "dimensions", lines(dimensions));
+  };
+  const auto add = [&](const char* dataset, const std::vector<std::int64_t>& rows, int columns) {
+    const RowBlock block = row_block(comm_, std::ssize(rows) / columns);
+    if (block.num_global == 0) return;
+    group.datasets.push_back({dataset, XdmfArray::Number::int64, block, columns, std::as_bytes(std::span(rows)), {}});
+  };
+  add("nodes", nodes, 2);
+  add("facets", facets, 1 + nodes_per_facet);
+  add("cells", cells, 2);
   add_group(comm_, hdf5_file_, group, Durability::process);
 }
 

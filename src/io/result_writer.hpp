@@ -6,6 +6,9 @@
 ///   /mesh/body, /mesh/rank  num_cells; attributes of body, one per line: `names`; `masses`, names of
 ///                           rigid bodies with neither mesh nor surface, `rods`, `rectangular_rods`, `sections` and
 ///                           `shells` (OutputMesh), if there are any
+///   /groups/nodes, /groups/facets, /groups/cells     groups of the mesh: a row per node of points and curves, facet of
+///                           surfaces, and cell of volumes: the group, then a node, 3 or 6 nodes, or a cell; attributes
+///                           of /groups, one per line: `names`, `dimensions`. "/groups_1" belongs to "/mesh_1"
 ///   /frames/000000/...      attributes time [s], step, mesh (its group: "/mesh"; "/mesh_1" after a restart), label
 ///   (what
 ///                           is shown in place of the time, if it is none); a dataset per field, num_nodes or num_cells
@@ -46,6 +49,14 @@ inline constexpr std::array companions{"obstacles", "mechanisms"};
 /// Version of the format of result.h5.
 inline constexpr std::int64_t result_version = 1;
 
+/// A named group of the mesh, and what this rank owns of it in numbers of the whole mesh: of dimension 0 and 1 nodes,
+/// of dimension 2 the nodes of facets (3 or 6 each, corners first), of dimension 3 cells.
+struct OutputGroup {
+  std::string name;
+  int dimension = 3;
+  std::vector<std::int64_t> entries;
+};
+
 /// The rank's part of a tetrahedral mesh. Ranks own contiguous blocks of nodes and of cells, in the order of ranks.
 struct OutputMesh {
   int nodes_per_cell = 4;             ///< 4: linear, 10: quadratic tetrahedra
@@ -66,6 +77,7 @@ struct OutputMesh {
   std::vector<std::string> rods, rectangular_rods, sections;
   /// Names of free shells. Each cell of one is a triangle with an apex near its middle; the triangle alone is drawn.
   std::vector<std::string> shells;
+  std::vector<OutputGroup> groups;  ///< without volumes that are bodies of the same name; the same names on every rank
 };
 
 enum class FieldLocation { node, cell };
@@ -121,6 +133,7 @@ class ResultWriter {
   XdmfArray array(const std::string& place, XdmfArray::Number number, const RowBlock& rows, int columns) const;
   void start_files() const;
   void write_mesh(const OutputMesh& mesh) const;
+  void write_groups(const OutputMesh& mesh) const;
   XdmfGrid grid_of_frame(const std::string& group, std::span<const OutputField> fields) const;
 
   MPI_Comm comm_;

@@ -58,6 +58,7 @@ void Model::build(const Mesh& mesh, const TermFactory& additional) {
   const int order = static_cast<int>(config.element);
   if (layout_.comm == MPI_COMM_NULL) layout_ = make_layout(mesh, order);
   fingerprint_ = fingerprint(layout_);
+  mesh_groups_ = find_mesh_groups(mesh, layout_);
   on_every_rank(layout_.comm, [&] { pattern_ = std::make_unique<BlockPattern>(layout_); });
   if (order == 1 && mesh.geometry_order == 2) {
     diagnostics_.push_back(note("the mesh has curved edges, which P1 elements straighten; `element: P2` keeps them"));

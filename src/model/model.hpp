@@ -15,6 +15,7 @@
 #include "model/couplings.hpp"
 #include "model/field_regions.hpp"
 #include "model/loads.hpp"
+#include "model/mesh_groups.hpp"
 #include "model/rods.hpp"
 #include "model/shells.hpp"
 #include "model/springs.hpp"
@@ -77,6 +78,7 @@ class Model {
   /// The equation with pressures as unknowns; nullptr if there are none.
   MixedEquation* mixed_equation() { return mixed_equation_.get(); }
   const std::vector<ProbeLocation>& probes() const { return probes_; }
+  const std::vector<MeshGroup>& mesh_groups() const { return mesh_groups_; }
   /// The region of each entry of `output.history`.
   const std::vector<FieldRegion>& field_regions() const { return field_regions_; }
   /// The stiffest shear modulus of each body at rest [Pa].
@@ -179,6 +181,7 @@ class Model {
   bool is_incompressible_ = false;  // any body
   std::unique_ptr<ConstrainedEquation> constrained_equation_;
   std::vector<ProbeLocation> probes_;
+  std::vector<MeshGroup> mesh_groups_;
   std::vector<FieldRegion> field_regions_;
   Components components_;
   std::uint64_t fingerprint_ = 0;

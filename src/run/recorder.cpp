@@ -9,6 +9,7 @@
 #include "run/shell_drawing.hpp"
 #include "run/version.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <span>
 
@@ -27,6 +28,22 @@ std::filesystem::path prepared_directory(MPI_Comm comm, const Config& config) {
                                       num_ranks(comm), petsc_options(), commented(version_text()), dump(config)));
   });
   return directory;
+}
+
+std::vector<OutputGroup> output_groups(const Model& model) {
+  const NodeLayout& layout = model.layout();
+  const std::int64_t first_cell = row_block(layout.comm, layout.num_owned_cells).first;
+  std::vector<OutputGroup> groups;
+  for (const MeshGroup& group : model.mesh_groups()) {
+    const auto& bodies = model.body_names();
+    const bool is_volume = group.dimension == 3;
+    if (is_volume && std::ranges::find(bodies, group.name) != bodies.end()) continue;
+    groups.push_back({group.name, group.dimension, {}});
+    for (const PetscInt n : group.entries) {
+      groups.back().entries.push_back(is_volume ? first_cell + n : layout.global_node(n));
+    }
+  }
+  return groups;
 }
 
 }  // namespace
@@ -53,6 +70,7 @@ OutputMesh output_mesh(const Config& config, const Model& model) {
   for (const ShellConfig& shell : config.shells) {
     if (shell.is_free) mesh.shells.push_back(shell.name);
   }
+  mesh.groups = output_groups(model);
   mesh.sections = names_of_rods(config);
   std::erase_if(mesh.sections,
                 [&](const std::string& name) { return std::ranges::find(mesh.rods, name) != mesh.rods.end(); });

@@ -17,7 +17,7 @@ import h5py
 import numpy as np
 import yaml
 
-from program import ENVIRONMENT, PROGRAM, ROOT, ProgramTest, read_history, write_box
+from program import ENVIRONMENT, PROGRAM, ROOT, ProgramTest, box, read_history, write_box, write_mesh
 
 sys.path.insert(0, str(ROOT / "src/python"))
 os.environ.update(ENVIRONMENT, PLIANT=str(PROGRAM))
@@ -228,6 +228,49 @@ with pliant.Simulation(text) as sim:
         for name in ("out0", "out1", "both0", "both1"):
             self.assertEqual(len(pliant.Result(name)), 3)
 
+    def test_groups_of_the_mesh(self):
+        """Nodes, facets and cells of what has a name in the mesh, with linear and quadratic elements, on any number of ranks."""
+        points, triangles, cells = box((4, 2, 1), (1, 0.2, 0.2))
+        is_tip = (points[cells].mean(axis=1)[:, 0] > 0.5).astype(int)
+        write_mesh("parts.msh", points, triangles, cells, (["root", "tip"], is_tip))
+        text = INPUT.replace("bar.msh", "parts.msh").replace("volume: body, ", "")
+        for element, ranks in (("P1", 1), ("P2", 2)):
+            with self.subTest(element):
+                mesh = pliant.run(text, {"element": element}, output=element, ranks=ranks).result.mesh()
+                x = mesh.coordinates
+                self.assertEqual([group.name for group in mesh.groups if group.kind == "volume"], ["body", "root", "tip"])
+                np.testing.assert_array_equal(mesh.surface("right").nodes, np.flatnonzero(np.abs(x[:, 0] - 1) < 1e-9))
+                top = x[mesh.surface("top").facets]
+                self.assertEqual(top.shape, (16, 3 if element == "P1" else 6, 3))
+                area = np.cross(top[:, 1] - top[:, 0], top[:, 2] - top[:, 0]).sum(axis=0) / 2
+                np.testing.assert_allclose(area, [0, 0, 0.2], atol=1e-12)
+                if element == "P2":
+                    np.testing.assert_allclose(top[:, 3:], (top[:, :3] + top[:, [1, 2, 0]]) / 2, atol=1e-12)
+                tip = mesh.volume("tip")
+                np.testing.assert_array_equal(tip.cells, np.flatnonzero(x[mesh.cells[:, :4]].mean(axis=1)[:, 0] > 0.5))
+                np.testing.assert_array_equal(tip.nodes, np.flatnonzero(x[:, 0] > 0.5 - 1e-9))
+                self.assertEqual(len(mesh.volume("body").cells), len(mesh.cells))
+                with self.assertRaisesRegex(pliant.InputError, "the mesh has no surface 'topp'; did you mean 'top'. It has left, right"):
+                    mesh.surface("topp")
+        frame = pliant.resume("P1", {"time.end": 0.04}, ranks=2).result[-1]
+        held = frame.mesh.surface("left")
+        self.assertEqual(repr(held), "MeshGroup(surface 'left': 6 nodes, 4 facets)")
+        self.assertEqual(np.abs(frame["displacement"][held.nodes]).max(), 0)
+        shutil.copy("P1/result.h5", "old.h5")
+        with h5py.File("old.h5", "r+") as file:  # as earlier versions wrote it
+            del file["groups"], file["groups_1"]
+        self.assertEqual([group.name for group in pliant.Result("old.h5").mesh().groups], ["body"])
+
+    def test_curves_of_the_mesh(self):
+        self.write("bar.geo", 'SetFactory("OpenCASCADE"); Box(1) = {0, 0, 0, 1, 0.2, 0.2}; MeshSize {:} = 0.2;\n'
+                   'Physical Volume("body") = {1}; Physical Surface("left") = {1}; Physical Curve("edge") = {1}; Physical Point("corner") = {7};\n')
+        for element in ("P1", "P2"):
+            mesh = pliant.run(INPUT.replace("bar.msh", "bar.geo"), {"element": element}, ranks=2).result.mesh()
+            edge, corner = mesh.curve("edge"), mesh.point("corner")
+            is_there = (np.abs(mesh.coordinates[:, :2]) < 1e-9).all(axis=1)
+            np.testing.assert_array_equal(edge.nodes, np.flatnonzero(is_there))
+            np.testing.assert_allclose(mesh.coordinates[corner.nodes], [[1, 0.2, 0.2]], atol=1e-12)
+
     def test_notebooks(self):
         """What a cell shows of a run, its result and its history, without a notebook."""
         run = pliant.run("title: a <bar> & its end\n" + INPUT)
@@ -335,7 +378,7 @@ with pliant.Simulation(text) as sim:
         names = {}
         with contextlib.redirect_stdout(printed):
             for block in blocks:
-                exec(compile(block, "docs/python.md", "exec"), names)
+                exec(compile(block.replace('"clamp"', '"left"'), "docs/python.md", "exec"), names)
         self.assertGreater(len(printed.getvalue().splitlines()), 8)
 
 

@@ -9,12 +9,13 @@ All numbers are in SI units.
 from .checkpoint import Checkpoint
 from .error import InputError, PliantError, SolveError
 from .history import History
-from .result import Field, Frame, Joint, Line, Mechanisms, Mesh, Obstacles, Result, von_mises
+from .parts import Field, Joint, Line, Mechanisms, Mesh, MeshGroup, Obstacles, von_mises
+from .result import Frame, Result
 from .runs import Run, resume, run
 from .simulation import NamedSurface, SavedState, Simulation
 from .studies import Fit, Gradient, Modes, Sensitivity, fit, gradient, modes, sensitivity
 from .surface import Surface
 
-__all__ = ["Checkpoint", "Field", "Fit", "Frame", "Gradient", "History", "InputError", "Joint", "Line", "Mechanisms", "Mesh", "Modes",
+__all__ = ["Checkpoint", "Field", "Fit", "Frame", "Gradient", "History", "InputError", "Joint", "Line", "Mechanisms", "Mesh", "MeshGroup", "Modes",
            "NamedSurface", "Obstacles", "PliantError", "Result", "Run", "SavedState", "Sensitivity", "Simulation", "SolveError", "Surface",
            "fit", "gradient", "modes", "resume", "run", "sensitivity", "von_mises"]

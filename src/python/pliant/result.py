@@ -1,5 +1,4 @@
 """result.h5: the mesh and the fields of a run over time, read when they are asked for."""
-import dataclasses
 import os
 from collections.abc import Sequence
 from typing import Any, Optional, Union, overload
@@ -8,141 +7,10 @@ import h5py
 import numpy as np
 
 from . import notebook
-from .checks import array_of, number_of, path_of, positive_of, short
+from .checks import number_of, path_of, positive_of, short
 from .error import FILE, InputError, MissingError, PliantError, did_you_mean
 from .files import opened, refuse_input, text
-
-
-@dataclasses.dataclass(frozen=True)
-class Mesh:
-    """Tetrahedra in VTK's order of nodes."""
-
-    coordinates: np.ndarray  #: num_nodes x 3, reference positions [m]
-    cells: np.ndarray  #: num_cells x 4, or 10: then the middles of the edges 01 12 02 03 13 23 come last
-    body: np.ndarray  #: index of the body of each cell
-    body_names: "list[str]"
-    #: Rigid bodies without a mesh and a surface: their cells make the tetrahedron with the same moments of inertia.
-    masses: "list[str]" = dataclasses.field(default_factory=list)
-    #: Rods, whose cells are slim tetrahedra along the axis, and their sections that are held.
-    rods: "list[str]" = dataclasses.field(default_factory=list)
-    sections: "list[str]" = dataclasses.field(default_factory=list)
-    #: Free shells, whose cells are triangles, each with an apex near its middle.
-    shells: "list[str]" = dataclasses.field(default_factory=list)
-    #: Those of the rods that have a rectangular section.
-    rectangular_rods: "list[str]" = dataclasses.field(default_factory=list)
-
-    @property
-    def bodies_with_surface(self) -> "list[str]":
-        """Names of the bodies that are neither rods nor parts of them. Fibres, which only stretch, are rods with a name here and no cells."""
-        has_cells = np.bincount(self.body, minlength=len(self.body_names)) > 0
-        return [name for name, is_there in zip(self.body_names, has_cells) if is_there and name not in (*self.rods, *self.sections)]
-
-    def __repr__(self) -> str:
-        return f"Mesh({len(self.coordinates):,} nodes, {len(self.cells):,} cells; {', '.join([*self.bodies_with_surface, *self.rods])})"
-
-
-@dataclasses.dataclass(frozen=True)
-class Obstacles:
-    """The surfaces of obstacles, and where they are in a frame."""
-
-    points: np.ndarray  #: num_points x 3, current positions [m]
-    triangles: np.ndarray  #: num_triangles x 3, counterclockwise seen from outside
-    obstacle: np.ndarray  #: index of the obstacle of each triangle
-    names: "list[str]"
-
-    def __repr__(self) -> str:
-        return f"Obstacles({', '.join(self.names)}; {len(self.triangles):,} triangles)"
-
-    def planes(self) -> "list[np.ndarray]":
-        """The four points of each plane's square, in order around it: two triangles, where what is closed has more."""
-        found = [self.triangles[self.obstacle == k] for k in range(len(self.names))]
-        return [np.append(triangles[0], triangles[1, 2]) for triangles in found if len(triangles) == 2]
-
-    def vessels(self) -> "list[int]":
-        """Those that bodies are inside of (`side: inside`): their triangles face their middle. Indices into names."""
-        return [k for k in range(len(self.names)) if _faces_its_middle(self.points[self.triangles[self.obstacle == k]])]
-
-    def points_of_others(self) -> np.ndarray:
-        """Positions of the obstacles that are not planes."""
-        count = np.bincount(self.obstacle, minlength=len(self.names))
-        return self.points[np.unique(self.triangles[count[self.obstacle] != 2])]
-
-
-def _faces_its_middle(x: np.ndarray) -> bool:
-    """Whether triangles (rows x 3 corners x 3) enclose the side that they face: their mean distance from their middle along their normals,
-    which is 0 of a plane, is negative, by more than a hundredth of their extent. Tubes and bowls that are open count, too."""
-    if len(x) == 0:
-        return False
-    normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
-    area, middle = np.linalg.norm(normal, axis=1), x.mean(axis=1)
-    center = area @ middle / max(area.sum(), 1e-300)
-    extent = np.linalg.norm(np.ptp(x.reshape(-1, 3), axis=0))
-    return bool(np.einsum("ij,ij->", normal, middle - center) < -0.01 * extent * area.sum())
-
-
-@dataclasses.dataclass(frozen=True)
-class Mechanisms:
-    """Tendons, springs, rods and joints as lines, and where they are in a frame."""
-
-    names: "list[str]"  #: of tendons, then springs, then rods, then joints
-    kinds: "list[str]"  #: of each: "tendon", "spring", "rod", or the type of a joint
-    points: np.ndarray  #: num_points x 3, current positions [m]
-    segments: np.ndarray  #: num_segments x 2, point numbers
-    part: np.ndarray  #: index into names of each segment
-    tension: np.ndarray  #: of each segment [N]; 0 of joints
-    joints: np.ndarray  #: the point where each joint is; joints are the last of the names
-    axes: np.ndarray  #: num_joints x 3, of unit length; zero of joints without an axis
-
-    def __repr__(self) -> str:
-        return f"Mechanisms({', '.join(f'{name}: {kind}' for name, kind in zip(self.names, self.kinds))}; {len(self.segments):,} segments)"
-
-    def points_along(self, part: int) -> np.ndarray:
-        """The points of a tendon, a spring or a rod in their order, numbers."""
-        segments = self.segments[self.part == part]
-        return np.append(segments[:, 0], segments[-1:, 1])
-
-
-@dataclasses.dataclass(frozen=True)
-class Line:
-    """A tendon, a spring or a rod in all frames."""
-
-    points: np.ndarray  #: num_frames x num_points x 3, from the pulled end of a tendon [m]
-    tension: np.ndarray  #: num_frames x (num_points - 1), of each segment; of a spring its force, positive where it pulls [N]
-
-    def __repr__(self) -> str:
-        return f"Line({self.points.shape[0]} frames, {self.points.shape[1]} points)"
-
-
-@dataclasses.dataclass(frozen=True)
-class Joint:
-    """A joint in all frames."""
-
-    type: str  #: "hinge", "ball", ...
-    point: np.ndarray  #: num_frames x 3, where it is on its second body [m]
-    axis: np.ndarray  #: num_frames x 3, of unit length, with its first body; zero if it has none
-
-    def __repr__(self) -> str:
-        return f"Joint({self.type}, {len(self.point)} frames)"
-
-
-@dataclasses.dataclass(frozen=True)
-class Field:
-    """Values on nodes or cells."""
-
-    values: np.ndarray  #: rows x components; symmetric tensors have xx yy zz xy yz xz
-    unit: str
-    on_nodes: bool
-
-    def __repr__(self) -> str:
-        rows, components = self.values.shape
-        return f"Field({rows:,} {'nodes' if self.on_nodes else 'cells'} x {components}{', ' + self.unit if self.unit else ''})"
-
-
-def von_mises(stress: np.ndarray) -> np.ndarray:
-    """sqrt(3/2 s:s), s the deviator, of symmetric tensors, rows x 6 (xx yy zz xy yz xz)."""
-    xx, yy, zz, xy, yz, xz = array_of(stress, "von_mises", (None, 6)).T
-    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
-    return np.sqrt(normal / 2 + 3 * (xy**2 + yz**2 + xz**2))
+from .parts import Field, Joint, Line, Mechanisms, Mesh, MeshGroup, Obstacles, von_mises
 
 
 class Frame:
@@ -378,9 +246,31 @@ class Result(Sequence[Frame]):
                 raise MissingError(f"{self.file} has no mesh {short(group)}; it has {', '.join(known)}")
             given = self.open_file[group]
             names, *others = (text(given["body"].attrs.get(key, "")).split("\n") for key in ("names", "masses", "rods", "sections", "shells", "rectangular_rods"))
-            self._meshes[group] = Mesh(given["coordinates"][()], given["cells"][()], given["body"][()], names,
-                                       *(other if other[0] else [] for other in others))
+            others = [other if other[0] else [] for other in others]
+            cells, body = given["cells"][()], given["body"][()]
+            self._meshes[group] = Mesh(given["coordinates"][()], cells, body, names, *others, groups=self._groups(group, cells, body, names))
         return self._meshes[group]
+
+    def _groups(self, mesh: str, cells: np.ndarray, body: np.ndarray, body_names: "list[str]") -> "list[MeshGroup]":
+        """Bodies, then the other groups in the order of the file; of results of earlier versions bodies alone."""
+        def volume(name: str, its_cells: np.ndarray) -> MeshGroup:
+            return MeshGroup(name, "volume", np.unique(cells[its_cells]), cells=its_cells)
+
+        found = [volume(name, np.nonzero(body == k)[0]) for k, name in enumerate(body_names)]
+        path = mesh.replace("mesh", "groups")
+        if path not in self.open_file:
+            return found
+        written = self.open_file[path]
+        rows = {what: written[what][()] if what in written else np.zeros((0, 2), dtype=np.int64) for what in ("nodes", "facets", "cells")}
+        for k, (name, dimension) in enumerate(zip(*(text(written.attrs[key]).split("\n") for key in ("names", "dimensions")))):
+            of_group = {what: table[table[:, 0] == k, 1:] for what, table in rows.items()}
+            if dimension == "3":
+                found.append(volume(name, np.sort(of_group["cells"][:, 0])))
+            elif dimension == "2":
+                found.append(MeshGroup(name, "surface", np.unique(of_group["facets"]), of_group["facets"]))
+            else:
+                found.append(MeshGroup(name, "curve" if dimension == "1" else "point", np.sort(of_group["nodes"][:, 0])))
+        return found
 
     def series(self, name: str, rows: Any = slice(None)) -> np.ndarray:
         """A field over time: frames x rows x components; `rows` chooses nodes or cells, in the order of the file. Reads frame

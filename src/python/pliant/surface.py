@@ -5,7 +5,7 @@ import numpy as np
 
 from .checks import array_of, short
 from .error import InputError
-from .result import Mesh
+from .parts import Mesh
 
 # The faces of a tetrahedron, seen from outside counterclockwise: corners, then the nodes on the sides 01, 12, 20.
 _FACES = np.array([[0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [2, 0, 3, 6, 7, 9], [0, 2, 1, 6, 5, 4]])
