@@ -46,6 +46,12 @@ void Console::print(const std::string& line) {
   std::fflush(stdout);
 }
 
+void Console::note(const std::string& line) {
+  if (!speaks_) return;
+  notes_.push_back(line);
+  print("note: " + line);
+}
+
 void Console::warn(const std::string& line) {
   if (!speaks_) return;
   warnings_.push_back(line);
@@ -56,7 +62,7 @@ void Console::warn(const std::string& line) {
 void Console::report(const Diagnostic& diagnostic) {
   switch (diagnostic.severity) {
     case Severity::note:
-      return print("note: " + to_string(diagnostic));
+      return note(to_string(diagnostic));
     case Severity::warning:
       return warn(to_string(diagnostic));
     case Severity::error:

@@ -22,13 +22,15 @@ class Console {
   Console& operator=(const Console&) = delete;
 
   void print(const std::string& line);
+  void note(const std::string& line);
   void warn(const std::string& line);
   /// Prints a note to standard output, a warning or an error to standard error.
   void report(const Diagnostic& diagnostic);
   /// Prints a line that the next one replaces; only on a terminal.
   void progress(const std::string& line);
   bool is_terminal() const { return is_terminal_; }
-  /// All warnings so far, in their order; on rank 0.
+  /// All notes and warnings so far, each in their order, those that were not printed too; on rank 0.
+  const std::vector<std::string>& notes() const { return notes_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
@@ -38,7 +40,7 @@ class Console {
   bool quiet_;
   bool is_terminal_;
   bool progress_shown_ = false;
-  std::vector<std::string> warnings_;
+  std::vector<std::string> notes_, warnings_;
 };
 
 }  // namespace pliant

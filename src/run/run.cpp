@@ -167,7 +167,7 @@ class Run {
     console_.print(fmt::format("{}: {}, {} unknowns, {} rank{}", config_.title.empty() ? config_.file : config_.title,
                                in_words(model_.mesh_report().elements), 3 * layout.num_global_nodes, num_ranks(comm_),
                                num_ranks(comm_) == 1 ? "" : "s"));
-    for (const auto& notice : model_.mesh_report().notices) console_.print("note: " + notice);
+    for (const auto& notice : model_.mesh_report().notices) console_.note(notice);
     for (const auto& diagnostic : model_.diagnostics()) console_.report(diagnostic);
   }
 
@@ -282,7 +282,7 @@ class Run {
   void report_critical_point() {
     if (!record().critical) return;
     critical_points_.push_back({record().step, *record().critical});
-    console_.print(fmt::format("note: step {} has passed {}", record().step, in_words(*record().critical)));
+    console_.note(fmt::format("step {} has passed {}", record().step, in_words(*record().critical)));
   }
 
   /// Without inertia there is no kinetic energy, and steps of the load or of time do not damp.
@@ -335,10 +335,10 @@ class Run {
     for (const auto& option : unused_petsc_options()) {
       console_.warn(fmt::format("no solver used the PETSc option {}; is it misspelt?", option));
     }
-    // Last: it has all warnings.
+    // Last: it has all warnings and notes.
     save({outcome, message, num_ranks(comm_), t, steps, s, worst_, energy_watch_->growth(),
           recorder_->fields().has_mesh_error() ? std::optional(mesh_error_watch_) : std::nullopt, critical_points_,
-          console_.warnings()});
+          console_.warnings(), console_.notes()});
   }
 
   void look_at_mesh_error() {

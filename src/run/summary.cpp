@@ -28,6 +28,7 @@ void write_summary(const std::filesystem::path& directory, const Summary& summar
   const SolverStatistics& s = summary.solver;
   Json json{{"outcome", summary.outcome}, {"message", summary.message}, {"ranks", summary.ranks}};
   json["warnings"] = summary.warnings;
+  json["notes"] = summary.notes;
   json["seconds"] = {{"total", total},
                      {"set_up", set_up},
                      {"mesh", mesh},

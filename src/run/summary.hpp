@@ -46,6 +46,7 @@ struct Summary {
   std::optional<MeshErrorWatch> mesh_error;  ///< if the input asks for it
   std::vector<PassedPoint> critical_points;  ///< along a path
   std::vector<std::string> warnings;         ///< as the terminal showed them
+  std::vector<std::string> notes;            ///< as the terminal showed them, or would have without --quiet
 };
 
 /// Replaces summary.json. For a resumed run it covers the part since resuming. Not collective.

@@ -103,11 +103,14 @@ export function showRun(to, { summary, result }, names) {
   }
   if (hasModes(result)) to.append(table("Modes", result.frames.map((frame) => frame.label.split(", "))));
   if (!summary) return;
-  const { seconds, steps, solver, worst_step: worst, message, warnings } = summary;
+  const { seconds, steps, solver, worst_step: worst, message, warnings, notes } = summary;
   if (message) to.append(element("article", { className: "wide" }, element("h2", { textContent: "Why it ended" }), element("p", { textContent: message })));
   if (warnings?.length) {
     to.append(element("article", { className: "wide" }, element("h2", { textContent: "Warnings" }),
       ...warnings.map((text) => element("p", { className: "warning", textContent: text }))));
+  }
+  if (notes?.length) {
+    to.append(element("article", { className: "wide" }, element("h2", { textContent: "Notes" }), ...notes.map((text) => element("p", { textContent: text }))));
   }
   to.append(timings(seconds));
   to.append(table("Steps", [

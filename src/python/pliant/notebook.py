@@ -2,6 +2,7 @@
 import base64
 import html
 import io
+import json
 import os
 import sys
 from collections.abc import Iterable, Sequence
@@ -188,7 +189,17 @@ def result_as_html(result: "Result") -> str:
         if name not in ("body", "rank"):
             field = last.field(name)
             rows.append((name.replace("_", " "), f"{extent(field.values)} {field.unit} at the end".replace("  ", " ")))
-    return card(result.title or "Result", rows, picture_of_frame(last))
+    return card(result.title or "Result", [*rows, *told_by(result.directory)], picture_of_frame(last))
+
+
+def told_by(directory: str) -> "list[tuple[str, str]]":
+    """Warnings and notes of the run whose result is in this directory; none while it is active."""
+    try:
+        with open(os.path.join(directory, "summary.json"), encoding="utf-8") as file:
+            summary = json.load(file)
+        return [(kind, str(text)) for kind in ("warning", "note") for text in summary.get(f"{kind}s", [])]
+    except (OSError, ValueError, AttributeError, TypeError):
+        return []
 
 
 def extent(values: np.ndarray) -> str:
@@ -211,6 +222,7 @@ def run_as_html(run: "Run") -> str:
     rows += [("input", os.path.join(run.directory, "run.yaml")),
              ("outcome", f"{summary['outcome']} after {seconds:.3g} s on {plural(summary['ranks'], 'rank')}"),
              ("steps", f"{summary['steps']['accepted']:,} to {at_time(history.time[-1], history.file)}, {summary['solver']['newton_iterations']:,} Newton iterations"),
+             *told_by(run.directory),
              *history_rows(history), ("files", files_of(run.directory))]
     picture = picture_of_history(history)
     title = "Run"

@@ -42,6 +42,16 @@ class Run:
         installed."""
         return notebook.run_as_html(self)
 
+    @property
+    def warnings(self) -> "list[str]":
+        """What the program has warned of; the command line shows it in lines that begin with `warning:`."""
+        return list(self.summary.get("warnings", []))
+
+    @property
+    def notes(self) -> "list[str]":
+        """What the program has noted."""
+        return list(self.summary.get("notes", []))
+
     @functools.cached_property
     def result(self) -> Result:
         """The frames."""
