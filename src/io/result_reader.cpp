@@ -80,7 +80,10 @@ ResultFrame frame_of(hid_t frames, const std::string& name) {
 std::filesystem::path result_file(const std::filesystem::path& place) {
   std::error_code ignored;
   std::filesystem::path file = place;
-  if (std::filesystem::is_directory(place, ignored)) file /= "result.h5";
+  if (std::filesystem::is_directory(place, ignored)) {
+    const auto is_there = [&](const char* name) { return std::filesystem::is_regular_file(place / name, ignored); };
+    file /= is_there("state.h5") && !is_there("result.h5") ? "state.h5" : "result.h5";
+  }
   if (file.extension() == ".xdmf") file.replace_extension(".h5");
   if (!std::filesystem::is_regular_file(file, ignored)) {
     throw FileError(fmt::format("there is no result: '{}' does not exist", file.string()));

@@ -165,7 +165,7 @@ std::string where_to_look(const fs::path& directory, const FailureReport& report
   const ReportedCell& cell = report.worst_cells.front();
   return fmt::format(
       "{0}/report.yaml says where and how (smallest det F: {1:.3g}, body '{2}' at [{3:.4g}, {4:.4g}, {5:.4g}] m), "
-      "{0}/state.xdmf shows it in ParaView (colour by volume_ratio or residual)",
+      "`pliant report {0}` and {0}/state.xdmf in ParaView show it (colour by volume_ratio or residual)",
       directory.string(), cell.volume_ratio, report.bodies[cell.body].name, cell.X[0], cell.X[1], cell.X[2]);
 }
 
@@ -206,7 +206,8 @@ void remove_post_mortem(MPI_Comm comm, const Config& config) {
   on_root(comm, [&] {
     std::error_code ignored;
     if (!fs::is_directory(directory_of(config), ignored)) return;
-    for (const char* file : {"report.yaml", "state.h5", "state.xdmf"}) fs::remove(directory_of(config) / file, ignored);
+    for (const char* file : {"report.yaml", "state.h5", "state.xdmf", "report.html", "picture.png"})
+      fs::remove(directory_of(config) / file, ignored);
     fs::remove(directory_of(config), ignored);
   });
 }

@@ -150,6 +150,18 @@ class PostMortem(ProgramTest):
             self.assertEqual(place["body"], "free")
             self.assertGreater(place["position"][0], 0.4)
 
+    def test_is_shown(self):
+        """By the commands that show results, given its directory."""
+        self.failed((), 1)
+        self.assertIn("`pliant report out/post-mortem`", self.call("run", self.input, "--quiet", "--output", "out").stderr)
+        self.assertIn("newton_step [m], 3 per node", self.pliant("info", "out/post-mortem").stdout)
+        self.assertIn("2 of 2 frames", self.pliant("report", "out/post-mortem").stdout)
+        done = self.pliant("render", "out/post-mortem", "--field", "volume_ratio", "-o", "state.glb")
+        self.assertEqual(done.stdout, "state.glb\n")
+        done = self.call("render", "out/post-mortem/report.yaml")
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+        self.assertIn("its pictures are those of the directory out/post-mortem", done.stderr)
+
     def test_goes_on_from_there_and_a_new_run_forgets(self):
         self.failed((), 2)
         done = self.call("resume", "out", "--quiet", "--set", "solver.newton.max_iterations=50", "--set", "time.end=0.04")

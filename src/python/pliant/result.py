@@ -140,7 +140,7 @@ class Result(Sequence[Frame]):
     """
 
     def __init__(self, path: Union[str, "os.PathLike[str]"]) -> None:
-        """`path`: the output directory of a run, its result.h5 or its result.xdmf."""
+        """`path`: the output directory of a run, its result.h5 or its result.xdmf; or the directory post-mortem in it."""
         self.file = self._find(path_of(path, "Result"))
         self.directory = os.path.dirname(os.path.abspath(self.file))
         self._meshes: "dict[str, Mesh]" = {}
@@ -165,7 +165,8 @@ class Result(Sequence[Frame]):
     def _find(path: str) -> str:
         refuse_input(path)
         if os.path.isdir(path):
-            path = os.path.join(path, "result.h5")
+            of_run, of_post_mortem = (os.path.join(path, name) for name in ("result.h5", "state.h5"))
+            path = of_post_mortem if os.path.isfile(of_post_mortem) and not os.path.isfile(of_run) else of_run
         elif path.endswith(".xdmf"):
             path = path[: -len(".xdmf")] + ".h5"
         if not os.path.isfile(path):
