@@ -1,10 +1,10 @@
 #include "mesh/added_shells.hpp"
 
-#include "base/orientation.hpp"
 #include "base/text.hpp"
 #include "base/vector3.hpp"
 #include "mesh/added_nodes.hpp"
 #include "mesh/added_volumes.hpp"
+#include "mesh/chamber_walls.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@
 namespace pliant {
 namespace {
 
-using Triangle = std::array<PetscInt, 3>;
+using Triangle = WallTriangle;
 
 /// Height of the apex above the triangle, relative to the square root of its area.
 constexpr double height_of_apex = 0.8;
@@ -31,6 +31,10 @@ Triangle sorted(Triangle nodes) {
 Vector3<double> place(const SerialMesh& mesh, PetscInt node) {
   const double* x = mesh.node(node);
   return {x[0], x[1], x[2]};
+}
+
+PlaceOfNode places_of(const SerialMesh& mesh) {
+  return [&mesh](PetscInt node) { return place(mesh, node); };
 }
 
 /// A facet of cells, with its corners in an order such that its normal points out of one of them.
@@ -71,17 +75,6 @@ const SerialGroup& surface_of(const AddedShell& shell, const SerialMesh& mesh) {
                                names.empty() ? "the mesh has no physical surfaces" : "the mesh has: " + joined(names)));
 }
 
-/// The volume behind triangles: positive if their normals point out of what they enclose [m^3].
-double volume_behind(std::span<const Triangle> triangles, std::span<const std::size_t> part, const SerialMesh& mesh) {
-  double volume = 0.0;
-  const Vector3<double> origin = place(mesh, triangles[part.front()][0]);
-  for (const std::size_t t : part) {
-    const auto& [a, b, c] = triangles[t];
-    volume += dot(place(mesh, a) - origin, cross(place(mesh, b) - origin, place(mesh, c) - origin)) / 6.0;
-  }
-  return volume;
-}
-
 /// The triangles of free shells, and which of them are neighbours in one.
 struct ShellTriangles {
   const AddedShell* shell = nullptr;
@@ -103,6 +96,7 @@ class ChamberVotes {
   }
   void ask(const SerialGroup& group) {
     std::vector<Triangle> triangles;
+    std::vector<char> is_of_body;
     bool has_shell = false;
     for (std::size_t n = 0; n + 2 < group.members.size(); n += 3) {
       const Triangle corners = sorted({group.members[n], group.members[n + 1], group.members[n + 2]});
@@ -111,10 +105,14 @@ class ChamberVotes {
       const CellFacet* facet = boundary_facet(corners);
       if (of_shell != of_shells_.end() || facet != nullptr) {
         triangles.push_back(facet != nullptr ? facet->outward : of_shell->second);
+        is_of_body.push_back(facet != nullptr ? 1 : 0);
       }
     }
     if (!has_shell) return;
-    for (const OrientedPart& part : orient(triangles)) settle(triangles, part);
+    const std::vector<char> is_known = orient_walls(triangles, is_of_body, places_of(mesh_));
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      if (is_known[t] != 0 && is_of_body[t] == 0) wanted_.emplace(sorted(triangles[t]), triangles[t]);
+    }
   }
   /// 1: the triangles of a part of a shell are to stay as they are; -1: to be turned over; 0: nothing says so, or not
   /// all of what there is says the same.
@@ -137,25 +135,6 @@ class ChamberVotes {
   static bool is_rotation(const Triangle& a, const Triangle& b) {
     return b[(std::ranges::find(b, a[0]) - b.begin() + 1) % 3] == a[1];
   }
-  /// Notes how triangles of shells in an oriented part of a surface are to be.
-  void settle(std::span<const Triangle> triangles, const OrientedPart& part) {
-    int num_outward = 0, num_inward = 0;
-    for (const std::size_t t : part.triangles) {
-      const CellFacet* facet = boundary_facet(sorted(triangles[t]));
-      if (facet != nullptr) ++(is_rotation(facet->outward, triangles[t]) ? num_outward : num_inward);
-    }
-    bool turns = num_inward > 0;
-    if (num_outward > 0 && num_inward > 0) return;
-    if (num_outward + num_inward == 0) {
-      if (!part.is_closed) return;
-      turns = volume_behind(triangles, part.triangles, mesh_) > 0.0;
-    }
-    for (const std::size_t t : part.triangles) {
-      Triangle wanted = triangles[t];
-      if (turns) std::swap(wanted[1], wanted[2]);
-      if (of_shells_.contains(sorted(wanted))) wanted_.emplace(sorted(wanted), wanted);
-    }
-  }
 
   const std::map<Triangle, CellFacet>& facets_;
   const SerialMesh& mesh_;
@@ -174,8 +153,8 @@ void orient_shells(std::span<ShellTriangles> shells, const std::map<Triangle, Ce
   }
   for (ShellTriangles& shell : shells) {
     for (const OrientedPart& part : shell.parts) {
-      const bool turns =
-          part.is_closed ? volume_behind(shell.triangles, part.triangles, mesh) > 0.0 : votes.sign_for(shell, part) < 0;
+      const bool turns = part.is_closed ? volume_behind(shell.triangles, part.triangles, places_of(mesh)) > 0.0
+                                        : votes.sign_for(shell, part) < 0;
       if (!turns) continue;
       for (const std::size_t t : part.triangles) std::swap(shell.triangles[t][1], shell.triangles[t][2]);
     }

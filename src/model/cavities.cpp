@@ -2,6 +2,7 @@
 
 #include "energy/load/pressure.hpp"
 #include "fem/rim.hpp"
+#include "fem/walls.hpp"
 #include "input/analysis.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
@@ -17,9 +18,23 @@ namespace {
 /// Fractions of the simulated time at which rims are examined.
 constexpr std::array<double, 3> looks{0.0, 0.37, 1.0};
 
-FacetList walls_of(const Selection& part, const Location& where, Selections& selections) {
-  return selections.outer_facets(part, where, "where a pressure has no side to push on");
-}
+/// The surfaces on which fluids press, each with its free shells as it sees them.
+class Walls {
+ public:
+  Walls(const NodeLayout& layout, std::span<const char> is_shell, Selections& selections)
+      : layout_(layout), is_shell_(is_shell), selections_(selections) {}
+
+  FacetList operator()(const Selection& part, const Location& where) const {
+    FacetList facets = selections_.outer_facets(part, where, "where a pressure has no side to push on");
+    orient_shells_in_walls(layout_, is_shell_, facets);
+    return facets;
+  }
+
+ private:
+  const NodeLayout& layout_;
+  std::span<const char> is_shell_;
+  Selections& selections_;
+};
 
 PrescribedSamples samples_of(const Config& config, const NodeLayout& layout, const PrescribedDisplacement& prescribed) {
   PrescribedSamples samples{prescribed.flags(), {}};
@@ -84,14 +99,16 @@ double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const Fac
 
 }  // namespace
 
-WettedParts find_wetted_parts(const Config& config, Selections& selections) {
+WettedParts find_wetted_parts(const Config& config, const NodeLayout& layout, std::span<const char> is_shell,
+                              Selections& selections) {
   WettedParts parts;
+  const Walls walls_of(layout, is_shell, selections);
   for (const LoadConfig& load : config.loads) {
     if (!std::holds_alternative<LoadConfig::Pressure>(load.kind)) continue;
-    parts.of_pressures.push_back(walls_of(load.part, load.where, selections));
+    parts.of_pressures.push_back(walls_of(load.part, load.where));
   }
   for (const CavityConfig& cavity : config.cavities) {
-    parts.of_cavities.push_back(walls_of(cavity.part, cavity.where, selections));
+    parts.of_cavities.push_back(walls_of(cavity.part, cavity.where));
   }
   return parts;
 }

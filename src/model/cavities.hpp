@@ -7,6 +7,7 @@
 #include "model/selections.hpp"
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,10 @@ struct WettedParts {
   std::vector<FacetList> of_cavities;
 };
 
-/// Errors are reported to `selections`. Collective.
-WettedParts find_wetted_parts(const Config& config, Selections& selections);
+/// `is_shell`: whether a local cell is one of a free shell; empty if none is. Errors are reported to `selections`.
+/// Collective.
+WettedParts find_wetted_parts(const Config& config, const NodeLayout& layout, std::span<const char> is_shell,
+                              Selections& selections);
 
 /// The terms of the pressures among the loads, then those of the cavities.
 struct WettedTerms {

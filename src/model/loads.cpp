@@ -217,7 +217,8 @@ bool has_dashpots(const Config& config) {
 }
 
 LoadParts find_loads(const Config& config, const LoadedBodies& bodies, Selections& selections) {
-  LoadParts parts{{}, find_wetted_parts(config, selections)};
+  LoadParts parts{
+      {}, find_wetted_parts(config, bodies.layout, cells_of_free_shells(config, bodies.body_of_cell), selections)};
   const LoadTerms term_of(config, bodies, selections);
   for (const LoadConfig& load : config.loads) {
     if (auto term = term_of(load)) parts.terms.push_back({std::move(term), load.where});

@@ -290,6 +290,72 @@ probes: [{{name: top, point: [2, 2, 2]}}]
         self.assertGreater(heights[0], 0.1)
         np.testing.assert_allclose(heights[1], heights[0], rtol=1e-6)
 
+    def test_a_membrane_between_two_chambers(self):
+        # Each chamber sees it from its own side: it bulges as under the difference of both pressures.
+        self.write("block.geo", """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 2, 1.5, 1.5}; Box(2) = {0.5, 0.25, 0.25, 1, 1, 1};
+BooleanDifference(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
+Rectangle(100) = {-0.5, -0.5, 0, 1, 1};
+Rotate {{0, 1, 0}, {0, 0, 0}, Pi/2} { Surface{100}; }
+Translate {1, 0.75, 0.75} { Surface{100}; }
+BooleanFragments{ Volume{3}; Delete; }{ Surface{100}; Delete; }
+part() = Surface In BoundingBox {0.9, 0.2, 0.2, 1.1, 1.3, 1.3};
+left() = Surface In BoundingBox {0.4, 0.2, 0.2, 1.1, 1.3, 1.3};
+right() = Surface In BoundingBox {0.9, 0.2, 0.2, 1.6, 1.3, 1.3};
+Physical Volume("block") = {3};
+Physical Surface("left") = {left()};
+Physical Surface("right") = {right()};
+Physical Surface("part") = {part()};
+Physical Surface("bottom") = Surface In BoundingBox {-0.1, -0.1, -0.1, 2.1, 1.6, 0.1};
+Mesh.MeshSizeMax = 0.5;
+""")
+        text = f"""mesh: {{file: block.geo}}
+bodies: [{{volume: block, elasticity: {{model: neo-hookean, youngs_modulus: 1e10, poissons_ratio: 0.3}}}}]
+shells: [{{name: part, surface: part, free: true, thickness: 0.02, {LAW % (1e6, 0.3)}}}]
+constraints: [{{surface: bottom, displacement: [0, 0, 0]}}]
+output: {{history: [{{name: bulge, of: displacement_x, in: part, take: mean}}]}}
+time: {{method: static, load_steps: 2}}
+"""
+
+        def history(more, ranks=1):
+            self.write("in.yaml", text + more)
+            return self.run_input("in.yaml", ranks=ranks)
+
+        def chambers(p, q):
+            return f"cavities: [{{name: a, surface: left, pressure: {p}}}, {{name: b, surface: right, pressure: {q}}}]\n"
+
+        one = history("cavities: [{name: a, surface: left, pressure: 1 kPa}]\n")
+        self.assertGreater(one["bulge"][-1], 0.01)
+        for p, q, ranks in ((3000, 2000, 2), (2000, 3000, 1), (3000, 3000, 1)):
+            h = history(chambers(p, q), ranks)
+            np.testing.assert_allclose(h["bulge"][-1], one["bulge"][-1] * (p - q) / 1000, rtol=1e-3, atol=1e-6)
+            np.testing.assert_allclose([h["a_volume"][0], h["b_volume"][0]], 0.5, rtol=1e-12)
+            np.testing.assert_allclose(h["a_volume"][-1] - 0.5, h["bulge"][-1], rtol=2e-2, atol=1e-5)
+            np.testing.assert_allclose(h["a_volume"][-1] + h["b_volume"][-1], 1, rtol=1e-5)
+        pushed = history("loads: [{surface: left, pressure: 3 kPa}, {surface: right, pressure: 2 kPa}]\n")
+        np.testing.assert_allclose(pushed["bulge"][-1], one["bulge"][-1], rtol=1e-3)
+
+    def test_a_chamber_between_two_balloons(self):
+        self.write("balloons.geo", """SetFactory("OpenCASCADE");
+Sphere(1) = {0, 0, 0, 0.1}; Sphere(2) = {0, 0, 0, 0.2};
+Delete { Volume{1, 2}; }
+Physical Surface("inner") = {1}; Physical Surface("outer") = {2}; Physical Surface("both") = {1, 2};
+Mesh.MeshSizeMax = 0.05;
+""")
+        law = LAW % (1e6, 0.3)
+        h = self.end_of(f"""mesh: {{file: balloons.geo}}
+shells:
+  - {{name: inner, surface: inner, free: true, thickness: 1 mm, {law}}}
+  - {{name: outer, surface: outer, free: true, thickness: 1 mm, {law}}}
+constraints: [{{where: "x > -1", displacement: [0, 0, 0]}}]
+cavities:
+  - {{name: core, surface: inner, pressure: 1}}
+  - {{name: whole, surface: outer, pressure: 1}}
+  - {{name: gap, surface: both, pressure: 1}}
+""")
+        self.assertAlmostEqual(h["core_volume"] / (4 / 3 * np.pi * 1e-3), 1, delta=0.15)  # of the mesh
+        self.assertAlmostEqual(h["gap_volume"], h["whole_volume"] - h["core_volume"], places=12)
+
     def test_results(self):
         self.patch((6, 3), lambda s, t: (s, 0.4 * t, 0.0))
         self.write("in.yaml", SHAKEN + "time: {method: dirk22, step: 20 ms, end: 0.2}\noutput: {every: 0.2}\n")
