@@ -11,6 +11,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -157,6 +158,44 @@ std::vector<char> have_no_cells(const Config& config, const NodeLayout& layout, 
   sum_in_place(layout.comm, numbers);
   std::vector<char> result;
   for (const double number : numbers) result.push_back(number == 0.0 ? 1 : 0);
+  return result;
+}
+
+/// The number of the segment that each local cell is; -1: it is none. The cells of a rod have successive numbers in the
+/// whole mesh, whatever else lies at their places. Collective.
+std::vector<std::ptrdiff_t> segments_of_cells(const Config& config, const NodeLayout& layout,
+                                              const std::vector<int>& body_of_cell, std::span<const ModelRod> rods) {
+  struct FirstCell {
+    int body = -1;
+    std::int64_t number = 0;
+  };
+  std::map<int, std::int64_t> lowest;
+  for (std::size_t c = 0; c < body_of_cell.size(); ++c) {
+    const int body = body_of_cell[c];
+    if (body < 0 || !config.bodies[static_cast<std::size_t>(body)].is_rod) continue;
+    const auto [found, is_new] = lowest.try_emplace(body, layout.cell_numbers[c]);
+    if (!is_new) found->second = std::min(found->second, layout.cell_numbers[c]);
+  }
+  std::vector<FirstCell> mine;
+  for (const auto& [body, number] : lowest) mine.push_back({body, number});
+  for (const auto& [body, number] : gathered(layout.comm, mine)) {
+    const auto [found, is_new] = lowest.try_emplace(body, number);
+    if (!is_new) found->second = std::min(found->second, number);
+  }
+  std::map<std::string, std::size_t> first_segment;  // of bodies
+  for (const ModelRod& rod : rods) {
+    if (rod.is_fibre) continue;
+    first_segment[rod.name] = rod.first_segment;
+    first_segment[name_of_end(rod.name, 0)] = rod.first_segment - 1;
+    first_segment[name_of_end(rod.name, 1)] = rod.first_segment + rod.num_segments();
+  }
+  std::vector<std::ptrdiff_t> result(body_of_cell.size(), -1);
+  for (std::size_t c = 0; c < body_of_cell.size(); ++c) {
+    const auto first = lowest.find(body_of_cell[c]);
+    if (first == lowest.end()) continue;
+    const std::string& name = config.bodies[static_cast<std::size_t>(body_of_cell[c])].part.name;
+    result[c] = static_cast<std::ptrdiff_t>(first_segment.at(name)) + (layout.cell_numbers[c] - first->second);
+  }
   return result;
 }
 
@@ -307,12 +346,9 @@ ModelRods make_rods(const Config& config, const Mesh& mesh, const NodeLayout& la
     result.fibres = std::make_unique<Fibres>(layout, fibres);
     if (is_damped(true)) result.viscosity.push_back(std::make_unique<FibreViscosity>(layout, *result.fibres));
   }
-  std::vector<char> is_segment;
-  for (const int body : body_of_cell) {
-    is_segment.push_back(body >= 0 && config.bodies[static_cast<std::size_t>(body)].is_rod ? 1 : 0);
-  }
   if (!parts.segments.empty()) {
-    result.term = std::make_unique<Rods>(layout, is_segment, std::move(parts.segments), std::move(parts.vertices));
+    result.term = std::make_unique<Rods>(layout, segments_of_cells(config, layout, body_of_cell, result.rods),
+                                         std::move(parts.segments), std::move(parts.vertices));
     if (is_damped(false)) result.viscosity.push_back(std::make_unique<RodViscosity>(*result.term));
   }
   put_axes(layout, result);

@@ -214,6 +214,26 @@ loads: [{gravity: [0, 0, -9.81]}]
         np.testing.assert_allclose(h["left_start_fz"] + h["right_end_fz"], weight, rtol=1e-6)
         np.testing.assert_allclose(h["left_start_fx"], -h["right_end_fx"], rtol=1e-6)
 
+    def test_rods_that_share_segments(self):
+        # Two equal rods at one place are twice as stiff, whether all of their segments are the same or one is.
+        beam = "points: [[0, 0, 0], [1, 0, 0]], segments: 4, radius: 10 mm, youngs_modulus: 10 MPa, poissons_ratio: 0.3, density: 1000"
+        single = f"rods: [{{name: a, {beam}, start: ground, end: tip}}]\n"
+        end = "rigid_bodies: [{name: tip, center: [1, 0, 0]}]\nloads: [{force: [0, 0, FORCE], volume: tip}]\n"
+        one = self.end_of(single + end.replace("FORCE", "1e-4"))
+        double = single.replace("]\n", f", {{name: b, {beam}, start: ground, end: tip}}]\n")
+        for ranks in (1, 2):
+            two = self.end_of(double + end.replace("FORCE", "2e-4"), ranks)
+            np.testing.assert_allclose(two["tip_z"], one["tip_z"], rtol=1e-6)
+            np.testing.assert_allclose(two["a_start_fz"] + two["b_start_fz"], -2e-4, rtol=1e-6)
+        shared = f"""rods:
+  - {{name: a, {beam}}}
+  - {{name: b, {beam.replace("[0, 0, 0], [1, 0, 0]], segments: 4", "[0.5, 0, 0], [0.75, 0, 0], [0.75, 0.5, 0]], segments: 1")}}}
+"""
+        self.write("in.yaml", shared + "time: {method: bdf2, step: 1 ms, end: 1 ms}\n")
+        self.pliant("modes", "in.yaml", "--output", "modes", "--number", "9")
+        rows = np.genfromtxt(self.directory / "modes/modes.csv", delimiter=",", names=True)
+        self.assertGreater(rows["eigenvalue"].min(), -1e-3 * np.abs(rows["eigenvalue"]).max())
+
     def test_a_wire_in_a_body_adds_its_stiffness(self):
         # Uniform tension of a bar without lateral contraction, with a wire inside and one on an edge.
         self.write("bar.geo", """SetFactory("OpenCASCADE");

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 namespace pliant {
 namespace {
@@ -16,12 +17,6 @@ using Place = std::array<double, 3>;
 using Corners = std::array<Place, 4>;
 /// Variables: three columns of a segment; t and d_1 of both segments of a vertex.
 constexpr std::size_t per_segment = 9, per_vertex = 12;
-
-/// The corners in ascending order, by which a cell is recognised.
-Corners sorted(Corners corners) {
-  std::ranges::sort(corners);
-  return corners;
-}
 
 /// 1/2 sum c (s^2 - s0^2) from the changes s - s0, all relative to what is at rest.
 template <std::size_t M>
@@ -69,17 +64,15 @@ template <int order>
 
 }  // namespace
 
-Rods::Rods(const NodeLayout& layout, std::span<const char> is_segment, std::vector<RodSegment> segments,
+Rods::Rods(const NodeLayout& layout, std::vector<std::ptrdiff_t> segment_of_cell, std::vector<RodSegment> segments,
            std::vector<RodVertex> vertices)
     : num_owned_nodes_(layout.num_owned_nodes),
       segments_(std::move(segments)),
       vertices_(std::move(vertices)),
       vertex_after_(segments_.size(), -1),
-      segment_of_cell_(static_cast<std::size_t>(layout.num_local_cells), -1) {
-  std::map<Corners, std::size_t> number_of;
-  for (std::size_t s = 0; s < segments_.size(); ++s) {
-    const auto& X = segments_[s].corners;
-    number_of.emplace(sorted(X), s);
+      segment_of_cell_(std::move(segment_of_cell)) {
+  for (const RodSegment& segment : segments_) {
+    const auto& X = segment.corners;
     Frame& frame = frames_.emplace_back();
     frame.axes[0] = unit(X[1] - X[0]);
     // The directors' points are opposite to the middle of a segment, or to the place of a section.
@@ -101,17 +94,16 @@ Rods::Rods(const NodeLayout& layout, std::span<const char> is_segment, std::vect
   }
   std::vector<char> is_others(static_cast<std::size_t>(layout.num_local_nodes), 0);
   for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
-    if (is_segment[static_cast<std::size_t>(c)] != 0) continue;
+    if (segment_of_cell_[static_cast<std::size_t>(c)] >= 0) continue;
     for (const PetscInt n : layout.nodes_of_cell(c)) is_others[static_cast<std::size_t>(n)] = 1;
   }
   patches_.nodes_per_patch = 4;
   for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
-    if (is_segment[static_cast<std::size_t>(c)] == 0) continue;
+    if (segment_of_cell_[static_cast<std::size_t>(c)] < 0) continue;
     const auto nodes = layout.nodes_of_cell(c);
     Corners corners;
     for (std::size_t a = 0; a < 4; ++a) corners[a] = layout.position(nodes[a]);
-    const std::size_t number = number_of.at(sorted(corners));
-    segment_of_cell_[static_cast<std::size_t>(c)] = static_cast<std::ptrdiff_t>(number);
+    const auto number = static_cast<std::size_t>(segment_of_cell_[static_cast<std::size_t>(c)]);
     for (const Vector3<double>& X : segments_[number].corners) {
       const auto at = std::ranges::find(corners, X) - corners.begin();
       patches_.nodes.push_back(nodes[static_cast<std::size_t>(at)]);

@@ -50,10 +50,10 @@ struct RodVertex {
 /// its order, and momenta are conserved.
 class Rods final : public EnergyTerm, public PairCoupling {
  public:
-  /// `segments`, the same on every rank, are the cells of the layout for which `is_segment` is set. Middles of edges
-  /// that only they have (quadratic elements) are held between the ends by springs, without mass: they stay there.
-  /// Collective.
-  Rods(const NodeLayout& layout, std::span<const char> is_segment, std::vector<RodSegment> segments,
+  /// `segments` are the same on every rank. `segment_of_cell`: the number of the segment that a local cell is; -1: it
+  /// is none. Middles of edges that only they have (quadratic elements) are held between the ends by springs, without
+  /// mass: they stay there. Collective.
+  Rods(const NodeLayout& layout, std::vector<std::ptrdiff_t> segment_of_cell, std::vector<RodSegment> segments,
        std::vector<RodVertex> vertices);
 
   const Patches& patches() const override { return patches_; }

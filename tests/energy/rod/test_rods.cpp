@@ -54,8 +54,12 @@ class BentRod : public TermOnRod {
       vertices.push_back(
           {segments.size() - 2, 0.1 + 0.05 * static_cast<double>(vertices.size()), {1.3, 0.7}, 0.9, 0.03});
     }
-    const std::vector<char> is_segment(static_cast<std::size_t>(layout().num_local_cells), 1);
-    term_ = std::make_unique<Rods>(layout(), is_segment, std::move(segments), std::move(vertices));
+    // The section is the first segment, and the last cell.
+    const auto last = static_cast<std::int64_t>(chain.segments.size());
+    std::vector<std::ptrdiff_t> segment_of_cell;
+    for (const std::int64_t number : layout().cell_numbers)
+      segment_of_cell.push_back(number == last ? 0 : static_cast<std::ptrdiff_t>(number) + 1);
+    term_ = std::make_unique<Rods>(layout(), segment_of_cell, std::move(segments), std::move(vertices));
     viscosity_ = std::make_unique<RodViscosity>(*term_);
     act(acts == Acts::elasticity ? static_cast<const EnergyTerm&>(*term_) : *viscosity_, acts);
   }
