@@ -95,14 +95,14 @@ class CellsAround {
 };
 
 /// For each rod, whether it is a fibre.
-std::vector<char> find_fibres(std::span<const AddedRod> rods, std::span<const MeshCurve> curves,
+std::vector<char> find_fibres(std::span<const AddedRod> rods, std::span<const std::vector<Place>> points,
                               const NodesOfRods& nodes, const SerialMesh& mesh) {
   std::vector<char> is_fibre(rods.size(), 0), is_marked(mesh.num_nodes(), 0);
   std::vector<std::vector<PetscInt>> chains(rods.size());
   bool any = false;
   for (std::size_t r = 0; r < rods.size(); ++r) {
     if (rods[r].curve.empty() || std::isinf(rods[r].fibre_beside)) continue;
-    chains[r] = nodes.on_curve(points_of(rods[r], curves));
+    chains[r] = nodes.on_curve(points[r]);
     for (const PetscInt node : chains[r]) is_marked[static_cast<std::size_t>(node)] = 1;
     any = true;
   }
@@ -137,14 +137,15 @@ void add_rods(std::span<const AddedRod> rods, std::span<const MeshCurve> curves,
                                  "'element: P2' is possible with them",
                                  rod.name));
   }
-  const std::vector<char> is_fibre = find_fibres(rods, curves, nodes, mesh);
+  const std::vector<std::vector<Place>> points = joined_points_of(rods, curves);
+  const std::vector<char> is_fibre = find_fibres(rods, points, nodes, mesh);
   for (std::size_t r = 0; r < rods.size(); ++r) {
     const AddedRod& rod = rods[r];
     if (is_fibre[r] != 0) {
       add_volume_group(rod.name, {}, mesh);
       continue;
     }
-    const RodChain chain = rod_chain(rod, points_of(rod, curves));
+    const RodChain chain = rod_chain(rod, points[r]);
     if (!chain.fault.empty()) throw InputError(rod.where, fmt::format("rod '{}' {}", rod.name, chain.fault));
     std::vector<PetscInt> members;
     for (const CornerPlaces& corners : chain.segments)

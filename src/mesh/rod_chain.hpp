@@ -32,6 +32,11 @@ RodChain rod_chain(const AddedRod& rod, std::span<const std::array<double, 3>> p
 /// curve is not there, or not one line.
 std::vector<std::array<double, 3>> points_of(const AddedRod& rod, std::span<const MeshCurve> curves);
 
+/// The points of all rods. A point of a rod that has its own is moved onto one of a curve's rod or of a rod before, by
+/// which it lies up to rounding: the two are one. Throws InputError as points_of does.
+std::vector<std::vector<std::array<double, 3>>> joined_points_of(std::span<const AddedRod> rods,
+                                                                 std::span<const MeshCurve> curves);
+
 /// The name of the volume of a section at an end; `end`: 0 the first, 1 the last.
 std::string name_of_end(const std::string& rod, std::size_t end);
 

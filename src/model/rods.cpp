@@ -317,9 +317,10 @@ ModelRods make_rods(const Config& config, const Mesh& mesh, const NodeLayout& la
   Parts parts;
   std::vector<FibreSegment> fibres;
   const std::vector<AddedRod> added = added_rods(config);
+  const std::vector<std::vector<std::array<double, 3>>> all_points = joined_points_of(added, mesh.curves);
   const std::vector<char> has_no_cells = have_no_cells(config, layout, body_of_cell);
   for (std::size_t r = 0; r < added.size(); ++r) {
-    const auto points = points_of(added[r], mesh.curves);
+    const std::vector<std::array<double, 3>>& points = all_points[r];
     ModelRod& rod = result.rods.emplace_back();
     rod.name = added[r].name;
     const auto is_its_body = [&](const BodyConfig& body) { return body.is_rod && body.part.name == rod.name; };

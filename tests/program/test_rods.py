@@ -214,6 +214,21 @@ loads: [{gravity: [0, 0, -9.81]}]
         np.testing.assert_allclose(h["left_start_fz"] + h["right_end_fz"], weight, rtol=1e-6)
         np.testing.assert_allclose(h["left_start_fx"], -h["right_end_fx"], rtol=1e-6)
 
+    def test_points_of_rods_are_one_up_to_rounding(self):
+        # Strings of a swing whose common point was computed twice.
+        rod = "radius: 1 mm, youngs_modulus: 1 GPa, poissons_ratio: 0.3, density: 1000"
+        swing = f"""rods:
+  - {{name: left, points: [[-0.3, 0, 0.4], [0, 0, 0]], segments: 1, {rod}, start: ground}}
+  - {{name: right, points: [[1e-10, -2e-10, 0], [0.3, 0, 0.4]], segments: 1, {rod}, end: ground}}
+loads: [{{gravity: [0, 0, -9.81]}}]
+"""
+        weight = 2 * 0.5 * np.pi * 1e-6 * 1000 * 9.81
+        for ranks in (1, 2):
+            h = self.end_of(swing, ranks)
+            np.testing.assert_allclose(h["left_start_fz"], weight / 2, rtol=1e-6)
+            np.testing.assert_allclose(h["left_start_fx"], -h["right_end_fx"], rtol=1e-6)
+        self.assertLess(abs(self.end_of(swing.replace("1e-10, -2e-10", "1e-5, 0"))["left_start_fx"]), 1e-6 * weight)  # two pendulums
+
     def test_rods_that_share_segments(self):
         # Two equal rods at one place are twice as stiff, whether all of their segments are the same or one is.
         beam = "points: [[0, 0, 0], [1, 0, 0]], segments: 4, radius: 10 mm, youngs_modulus: 10 MPa, poissons_ratio: 0.3, density: 1000"
