@@ -77,7 +77,8 @@ std::vector<Diagnostic> findings_about_energy(const Config& config, const Energy
   return found;
 }
 
-std::vector<Diagnostic> findings_about_solutions(const Config& config, const SolverStatistics& statistics) {
+std::vector<Diagnostic> findings_about_solutions(const Config& config, const SolverStatistics& statistics,
+                                                 Forces forces) {
   const SolverStatistics& s = statistics;
   std::vector<Diagnostic> found;
   const auto warn = [&](const Location& where, std::string text) {
@@ -89,7 +90,7 @@ std::vector<Diagnostic> findings_about_solutions(const Config& config, const Sol
                      "was unbalanced: these are not solutions; give a smaller value, or omit the key",
                      config.solver.newton.absolute, s.unbalanced_stops, s.stages));
   }
-  if (s.worst_rounding > doubtful_rounding) {
+  if (s.worst_rounding > doubtful_rounding && forces == Forces::some) {
     warn({},
          fmt::format("{} of {} solves ended at the limit of double precision, one of them with {:.1e} of the forces "
                      "unbalanced: the bodies are too stiff relative to the forces on them for a more accurate solution",

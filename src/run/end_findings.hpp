@@ -17,7 +17,12 @@ namespace pliant {
 std::vector<Diagnostic> findings_about_energy(const Config& config, const EnergyWatch& watch, const Energies& end,
                                               double longest_step);
 
-/// Warns of solves that have not found a solution, inaccurate ones, and equilibria that are unstable.
-std::vector<Diagnostic> findings_about_solutions(const Config& config, const SolverStatistics& statistics);
+/// What moves the bodies of a run.
+enum class Forces { some, none_but_rounding };
+
+/// Warns of solves that have not found a solution, inaccurate ones, and equilibria that are unstable. Where all forces
+/// are rounding errors, solves need not balance them.
+std::vector<Diagnostic> findings_about_solutions(const Config& config, const SolverStatistics& statistics,
+                                                 Forces forces);
 
 }  // namespace pliant

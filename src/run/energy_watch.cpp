@@ -4,7 +4,8 @@
 
 namespace pliant {
 
-void EnergyWatch::look(const Energies& energies, double time) {
+void EnergyWatch::look(const Energies& energies, double time, double rounding) {
+  rounding_ = std::max(rounding_, rounding);
   const double supplied = start_ + energies.load_work - energies.load_potential;
   const double created = energies.kinetic + energies.elastic - supplied;
   supplied_ = std::max(supplied_, supplied);
@@ -19,7 +20,7 @@ void EnergyWatch::look(const Energies& energies, double time) {
 }
 
 std::optional<EnergyWatch::Growth> EnergyWatch::growth() const {
-  if (!(supplied_ > 0.0)) return std::nullopt;
+  if (!(supplied_ > 0.0) || sees_only_rounding()) return std::nullopt;
   if (created_ > tolerance * supplied_) return Growth{1.0 + created_ / supplied_, created_at_};
   if (created_with_dissipation_ > tolerance_with_dissipation * supplied_)
     return Growth{1.0 + created_with_dissipation_ / supplied_, created_with_dissipation_at_, true};
@@ -28,6 +29,7 @@ std::optional<EnergyWatch::Growth> EnergyWatch::growth() const {
 
 std::optional<EnergyWatch::Loss> EnergyWatch::loss(const Energies& end) const {
   const Loss loss{end.numerical_dissipation, supplied_};
+  if (sees_only_rounding()) return std::nullopt;
   constexpr double rounding = 1e-9;
   const double size = end.kinetic + std::abs(end.elastic) + std::abs(end.load_work);
   if (!(loss.dissipated > std::max(tolerated_loss * supplied_, rounding * size)) || !(supplied_ > 0.0)) {

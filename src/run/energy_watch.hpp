@@ -3,6 +3,7 @@
 
 #include "run/ledger.hpp"
 
+#include <algorithm>
 #include <optional>
 
 namespace pliant {
@@ -40,8 +41,13 @@ class EnergyWatch {
   explicit EnergyWatch(const Energies& start)
       : start_(start.kinetic + start.elastic + start.load_potential), supplied_(start.kinetic + start.elastic) {}
 
-  /// Examines the end of a step.
-  void look(const Energies& energies, double time);
+  /// Examines the end of a step. `rounding`: the energy of rounding errors there
+  /// (IncrementalPotential::rounding_energy) [J].
+  void look(const Energies& energies, double time, double rounding = 0.0);
+  /// Whether all energies so far are rounding errors: of bodies at rest, without loads.
+  bool sees_only_rounding() const {
+    return std::max({supplied_, created_, created_with_dissipation_}) <= safety * rounding_;
+  }
   /// nullopt if no energy was created.
   std::optional<Growth> growth() const;
   /// nullopt if the method has dissipated little. `end`: at the last step examined.
@@ -49,11 +55,14 @@ class EnergyWatch {
   void keep(Archive& archive);
 
  private:
+  static constexpr double safety = 1e4;  // for what adds up over many steps [1]
+
   double start_;                                                               // T + U + V [J]
   double supplied_;                                                            // largest so far [J]
   double created_ = 0.0;                                                       // likewise
   double created_at_ = 0.0;                                                    // [s]
   double created_with_dissipation_ = 0.0, created_with_dissipation_at_ = 0.0;  // likewise with dissipation added
+  double rounding_ = 0.0;                                                      // largest so far, of this process [J]
 };
 
 }  // namespace pliant

@@ -122,7 +122,8 @@ class Run {
       last_row_ = record().step;
       report_critical_point();
       if (simulation_->analysis() == Analysis::dynamic)
-        energy_watch_->look(simulation_->ledger().energies(), record().time);
+        energy_watch_->look(simulation_->ledger().energies(), record().time,
+                            model_.potential().rounding_energy(record().q));
       if (multigrid_is_news()) {
         console_.warn(
             "the factorization ran out of memory; algebraic multigrid takes its place (as `solver.linear: amg`)");
@@ -385,8 +386,10 @@ class Run {
   /// What the run as a whole shows, at its end.
   std::vector<Diagnostic> findings() const {
     const SolverStatistics& s = simulation_->solver_statistics();
-    std::vector<Diagnostic> found = findings_about_solutions(config_, s);
-    if (simulation_->analysis() != Analysis::dynamic) return found;
+    const bool is_dynamic = simulation_->analysis() == Analysis::dynamic;
+    std::vector<Diagnostic> found = findings_about_solutions(
+        config_, s, is_dynamic && energy_watch_->sees_only_rounding() ? Forces::none_but_rounding : Forces::some);
+    if (!is_dynamic) return found;
     const Energies& energies = simulation_->ledger().energies();
     const double longest = simulation_->steps().longest;
     std::ranges::move(findings_about_energy(config_, *energy_watch_, energies, longest), std::back_inserter(found));

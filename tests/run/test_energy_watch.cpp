@@ -40,6 +40,22 @@ TEST(EnergyWatch, TellsHowMuchThereIsOfWhatCameIn) {
   EXPECT_DOUBLE_EQ(watch.growth()->time, 0.2);
 }
 
+// A body at rest without loads has rounding errors alone, which may grow and vanish.
+TEST(EnergyWatch, RoundingErrorsAreNoEnergy) {
+  for (const double rounding : {0.0, 1e-26}) {
+    EnergyWatch watch(at(1e-26, 0, 0, 0));
+    watch.look(at(8e-26, 1e-26, 0, 0), 0.1, rounding);
+    Energies end = at(0, 0, 0, 0);
+    end.numerical_dissipation = 4e-26;
+    EXPECT_EQ(watch.sees_only_rounding(), rounding > 0.0);
+    EXPECT_EQ(watch.growth().has_value(), rounding == 0.0);
+    EXPECT_EQ(watch.loss(end).has_value(), rounding == 0.0);
+    watch.look(at(1, 0, 0, 0), 0.2, rounding);
+    EXPECT_FALSE(watch.sees_only_rounding());
+    EXPECT_TRUE(watch.growth());
+  }
+}
+
 // A body that rests has no energy to compare with.
 TEST(EnergyWatch, TellsOfMoreDissipatedThanThereWas) {
   EnergyWatch watch(at(4, 0, 0, 0));
