@@ -32,7 +32,7 @@ StepOutcome::Kind outcome_of(const RetryDecision& decision, StepOutcome::Kind ot
 }  // namespace
 
 Simulation::Simulation(const Config& config, Model& model, Stages stages, Books books)
-    : analysis_(analysis_of(config)), books_(books), model_(model) {
+    : analysis_(analysis_of(config)), books_(books), model_(model), turns_(config) {
   q_ = make_vector(model.layout());
   v_ = make_vector(model.layout());
   if (analysis_ != Analysis::static_equilibrium) {
@@ -159,7 +159,21 @@ StepOutcome Simulation::complete_step(const std::function<void(const StepOutcome
   }
 }
 
+std::optional<StepOutcome> Simulation::shorten_turn() {
+  if (advance_->path() != nullptr) return std::nullopt;  // whose steps end where nobody knows yet
+  for (;;) {
+    const Step step = control_->next();
+    const auto reason = turns_.too_far(record_.time, step.time);
+    if (!reason) return std::nullopt;
+    const RetryDecision decision = control_->reject(*reason);
+    if (decision.retry == Retry::again && warned_of_turns_) continue;
+    warned_of_turns_ = true;
+    return StepOutcome{outcome_of(decision, StepOutcome::Kind::unsolved), decision.reason, step};
+  }
+}
+
 StepOutcome Simulation::advance() {
+  if (auto outcome = shorten_turn()) return *outcome;
   const Step step = control_->next();
   if (follower_ != nullptr) follower_->begin_step(step);
   StepAttempt attempt = advance_->attempt(step);
@@ -181,6 +195,11 @@ StepOutcome Simulation::advance() {
     return {outcome_of(decision, StepOutcome::Kind::inaccurate), decision.reason, step};
   }
   const bool touched = record_.contact.num_points > 0.0;
+  const bool is_on_path = advance_->path() != nullptr;
+  if (auto jump = turns_.accept(is_on_path ? record_.load_factor : record_.time,
+                                is_on_path ? attempt.load_factor : step.time)) {
+    concession = std::move(*jump);
+  }
   accept(attempt, step);
   if (const PathFinding* path = advance_->path()) {
     control_->accept_on_path(attempt.time, path->growth);
@@ -282,6 +301,9 @@ std::optional<std::string> Simulation::impossibility(const StepAttempt& attempt,
   if (ends_inside_out(attempt)) {
     return "a tetrahedron is inside out at the end of the step, although not in any of its stages: the method combines "
            "all of them";
+  }
+  if (advance_->path() != nullptr) {
+    if (auto too_far = turns_.too_far(record_.load_factor, attempt.load_factor)) return too_far;
   }
   if (auto passes = passed_stop(model_.given_joints(), model_.constraints().joints(), q_.get(), attempt.q)) {
     return passes;

@@ -6,6 +6,7 @@
 #include "run/advance.hpp"
 #include "run/ledger.hpp"
 #include "run/path_end.hpp"
+#include "run/turn_watch.hpp"
 #include "solver/newton.hpp"
 #include "time/step_control.hpp"
 
@@ -136,6 +137,8 @@ class Simulation {
   void set_plan(const Config& config);
   /// Whether the path has ended.
   bool path_has_ended();
+  /// Shortens the next step until prescribed rotations can be followed in it. An outcome if that is news, or fails.
+  std::optional<StepOutcome> shorten_turn();
   /// Continues under the present plan from the progress under one with this step.
   void continue_control(StepProgress progress, double former_step);
   /// A message if no body can have reached the end of a converged attempt.
@@ -168,6 +171,8 @@ class Simulation {
   StepProgress accepted_;  // at the last accepted step
   StepRecord record_;
   StepStatistics steps_;
+  TurnWatch turns_;
+  bool warned_of_turns_ = false;
   double contact_start_ = 0.0;      // end of the last step without contact [s]
   bool settles_pressures_ = false;  // because steps do not end with a stage
   std::int64_t steps_since_restart_ = 0;

@@ -258,6 +258,27 @@ time: {method: dirk33, step: 1 ms, end: 2 ms}
         done = self.pliant("run", "in.yaml")
         self.assertNotIn("warning", done.stdout + done.stderr)
 
+    def test_turns_of_a_prescribed_rotation_are_kept(self):
+        # The torque is G J/L times the angle, more than a turn, however long the steps: they are cut where they turn by half a turn or more.
+        rod = "points: [[0, 0, 0], [1, 0, 0]], segments: 8, radius: 10 mm, youngs_modulus: 2.6 MPa, poissons_ratio: 0.3, density: 1000"
+        text = f"""rods: [{{name: rod, {rod}, start: ground, end: hub}}]
+rigid_bodies: [{{name: hub, center: [1, 0, 0]}}]
+"""
+        torque = 1e6 * np.pi / 2 * 0.01**4
+        held = "constraints: [{volume: hub, rigid: {translation: [free, 0, 0], rotation: {axis: [1, 0, 0], angle: ANGLE}}}]\n"
+        for method, angle, turn in (("static, load_steps: 1", "7", 7), ("static, load_steps: 2", "-7", -7),
+                                    ("static, load_steps: 1", "3.5", 3.5), ("quasistatic, step: 0.5, end: 1", "7*t", 7),
+                                    ("static, load_steps: 1, path: {max_load: 1}", "7", 7)):
+            with self.subTest(method):
+                h = self.solve(text + held.replace("ANGLE", f'"{angle}"'), f"method: {method}")
+                np.testing.assert_allclose(h["rod_start_tx"][-1], -torque * turn, rtol=1e-3)
+        hinge = """joints: [{name: drive, type: hinge, between: [ground, hub], point: [1, 0, 0], axis: [1, 0, 0], motion: "7*t"}]\n"""
+        h = self.solve(text + hinge, "method: quasistatic, step: 1, end: 1")
+        np.testing.assert_allclose(h["rod_start_tx"][-1], -torque * 7, rtol=1e-3)
+        # A jump cannot be cut.
+        self.write("in.yaml", text + held.replace("ANGLE", '"t <= 0.5 ? 0 : 4*pi"') + "time: {method: quasistatic, step: 0.5, end: 1}\n")
+        self.assertIn("the rotation of volume 'hub' jumps by 12.57 rad at t = 0.5 s", self.pliant("run", "in.yaml").stderr)
+
     def test_a_wire_in_a_body_adds_its_stiffness(self):
         # Uniform tension of a bar without lateral contraction, with a wire inside and one on an edge.
         self.write("bar.geo", """SetFactory("OpenCASCADE");
