@@ -16,6 +16,10 @@ namespace {
 
 /// Positions in one plane differ by less than this fraction of an edge's length.
 constexpr double edge_flatness = 1e-9;
+/// A facet lies along a plane if the angle between their normals has more than this cosine.
+constexpr double along_plane = 0.7;
+/// Vector areas of loops below this part of the square of their length are rounding errors.
+constexpr double no_area = 1e-6;
 
 std::span<const PetscInt> nodes_of(const NodeLayout& layout, const RimEdge& edge) {
   return std::span(edge.nodes).first(layout.order + 1);
@@ -115,13 +119,18 @@ struct EdgeRecord {
   PetscInt start = 0, end = 0;    ///< global nodes
   int plane = -1;                 ///< RimEdge::plane, or -1
   Vector3<double> X{}, moment{};  ///< of the start [m]; of the edge [m^2]
+  double length = 0.0;            ///< [m]
+  int is_along_wall = 0;          ///< its facet lies along the plane
 };
 
 std::vector<EdgeRecord> records(const NodeLayout& layout, const std::vector<RimEdge>& edges) {
   std::vector<EdgeRecord> result;
   for (const RimEdge& e : edges) {
-    result.push_back({layout.global_node(e.nodes[0]), layout.global_node(e.nodes[1]), e.plane.value_or(-1),
-                      layout.position(e.nodes[0]), layout.order == 1 ? moment<1>(layout, e) : moment<2>(layout, e)});
+    const Vector3<double> from = layout.position(e.nodes[0]), to = layout.position(e.nodes[1]);
+    const bool is_along_wall = e.plane && std::abs(e.normal[static_cast<std::size_t>(*e.plane)]) > along_plane;
+    result.push_back({layout.global_node(e.nodes[0]), layout.global_node(e.nodes[1]), e.plane.value_or(-1), from,
+                      layout.order == 1 ? moment<1>(layout, e) : moment<2>(layout, e), norm(to - from),
+                      is_along_wall ? 1 : 0});
   }
   return result;
 }
@@ -132,8 +141,13 @@ struct Loop {
   Vector3<double> sum_of_starts{}, moment{};
   std::array<std::optional<double>, 3> plane;  ///< the place of the plane in each direction
   bool has_one_apex = true;
+  double length = 0.0;
+  bool is_held_somewhere = false, slides_along_walls = false;
   void add(const EdgeRecord& e) {
     ++num_edges;
+    length += e.length;
+    is_held_somewhere = is_held_somewhere || e.plane < 0;
+    slides_along_walls = slides_along_walls || e.is_along_wall != 0;
     sum_of_starts = sum_of_starts + e.X;
     moment = moment + e.moment;
     if (e.plane < 0) return;
@@ -148,6 +162,23 @@ struct Loop {
     return c;
   }
 };
+
+/// The loops of the rim, on every rank.
+std::vector<Loop> loops_of(const NodeLayout& layout, const std::vector<RimEdge>& edges) {
+  const auto all = gathered(layout.comm, records(layout, edges));
+  std::map<PetscInt, std::size_t> number;
+  for (const EdgeRecord& e : all) {
+    number.try_emplace(e.start, number.size());
+    number.try_emplace(e.end, number.size());
+  }
+  DisjointSets sets(number.size());
+  for (const EdgeRecord& e : all) sets.join(number[e.start], number[e.end]);
+  std::map<std::size_t, Loop> by_root;
+  for (const EdgeRecord& e : all) by_root[sets.root(number[e.start])].add(e);
+  std::vector<Loop> loops;
+  for (const auto& [root, loop] : by_root) loops.push_back(loop);
+  return loops;
+}
 
 }  // namespace
 
@@ -168,6 +199,8 @@ std::vector<RimEdge> rim_edges(const NodeLayout& layout, const FacetList& facets
       balance += ascends ? 1 : -1;
       edge.nodes = {a, b, layout.order == 2 ? nodes[3 + e] : -1};
       if (!ascends) std::swap(edge.nodes[0], edge.nodes[1]);
+      const Vector3<double> X = layout.position(nodes[0]);
+      edge.normal = unit(cross(layout.position(nodes[1]) - X, layout.position(nodes[2]) - X));
     }
   }
   std::vector<RimEdge> rim;
@@ -185,21 +218,22 @@ Rim classify(const NodeLayout& layout, std::vector<RimEdge>& edges, const Prescr
   return static_cast<Rim>(static_cast<int>(maximum(layout.comm, static_cast<double>(worst))));
 }
 
+// A lid in planes has its vector area, half the sum of the moments, along their normals.
+bool planes_close(const NodeLayout& layout, const std::vector<RimEdge>& edges) {
+  for (const Loop& loop : loops_of(layout, edges)) {
+    if (loop.is_held_somewhere || !loop.slides_along_walls) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!loop.plane[k] && std::abs(loop.moment[k]) > no_area * loop.length * loop.length) return false;
+    }
+  }
+  return true;
+}
+
 std::optional<double> volume_behind(const NodeLayout& layout, const FacetList& facets,
                                     const std::vector<RimEdge>& edges) {
-  const auto all = gathered(layout.comm, records(layout, edges));
-  std::map<PetscInt, std::size_t> number;
-  for (const EdgeRecord& e : all) {
-    number.try_emplace(e.start, number.size());
-    number.try_emplace(e.end, number.size());
-  }
-  DisjointSets sets(number.size());
-  for (const EdgeRecord& e : all) sets.join(number[e.start], number[e.end]);
-  std::map<std::size_t, Loop> loops;
-  for (const EdgeRecord& e : all) loops[sets.root(number[e.start])].add(e);
   double volume =
       sum(layout.comm, layout.order == 1 ? third_of_flux<1>(layout, facets) : third_of_flux<2>(layout, facets));
-  for (const auto& [root, loop] : loops) {
+  for (const Loop& loop : loops_of(layout, edges)) {
     if (!loop.has_one_apex) return {};
     volume -= dot(loop.apex(), loop.moment) / 6.0;
   }

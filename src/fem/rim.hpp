@@ -14,6 +14,7 @@ namespace pliant {
 struct RimEdge {
   std::array<PetscInt, 3> nodes{};  ///< local: ends, mid-edge node (order 2)
   std::optional<int> plane;         ///< if it stays within a plane of constant x, y or z, whatever the free entries do
+  std::array<double, 3> normal{};   ///< of the facet at the edge, of unit length
 };
 
 /// What the free entries of the displacement can do to a rim.
@@ -42,6 +43,11 @@ std::vector<RimEdge> rim_edges(const NodeLayout& layout, const FacetList& facets
 /// the edge does not extend in the third direction. Prescribed entries that move count as the j's do: the work of a
 /// pressure in a stage is integrated along a path on which they move, too.
 Rim classify(const NodeLayout& layout, std::vector<RimEdge>& edges, const PrescribedSamples& prescribed);
+
+/// Whether the planes in which edges slide close the ends of a hollow. They do not where a whole loop slides along
+/// walls that lie in these planes, as at the end of a square tube that becomes longer: there is no lid that goes with
+/// it. To be called after `classify`. Collective.
+bool planes_close(const NodeLayout& layout, const std::vector<RimEdge>& edges);
 
 /// The volume behind the surface in the reference configuration [m^3], positive if the facets face into it: each loop
 /// of the rim is closed by the cone to a point, the intersection of its planes, or else the centre of the loop. Nothing

@@ -77,6 +77,13 @@ double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const Fac
                                  "displacement 0, or let it slide in planes of constant x, y or z",
                                  cavity.name, describe(cavity.part), rim == Rim::free ? "can move" : "moves"));
   }
+  if (!planes_close(layout, edges)) {
+    throw InputError(cavity.where,
+                     fmt::format("the cavity '{}' is open: the edge of {} slides along its walls, and no lid goes with "
+                                 "it; close the end with facets (of a body, or of a free shell), or hold the edge at "
+                                 "displacement 0",
+                                 cavity.name, describe(cavity.part)));
+  }
   const auto behind = volume_behind(layout, walls, edges);
   if (cavity.volume) return *cavity.volume;
   if (!behind) {

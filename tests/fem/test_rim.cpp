@@ -119,6 +119,24 @@ TEST_P(Rims, ParallelPlanesLeaveTheVolumeOpen) {
   EXPECT_FALSE(volume_behind(layout_, facets, edges).has_value());
 }
 
+// The end of a square tube slides along its walls; a piston in it has its walls around it.
+TEST_P(Rims, AnEndThatSlidesAlongItsWallsIsOpen) {
+  FacetList tube = joined(joined(face(1, 0.0), face(1, 1.0)), joined(face(2, 0.0), face(2, 1.0)));
+  const auto held = [](auto is_free) { return [is_free](const Point& x, int i) { return !is_free(x, i); }; };
+  const auto along = held([](const Point& x, int i) { return i == 0 && is_on(x, 0, 1.0); });
+  const auto across = held([](const Point& x, int i) { return i != 0 && is_on(x, 0, 1.0); });
+  const auto closes = [&](const FacetList& facets, auto is_held) {
+    auto edges = rim_edges(layout_, facets);
+    EXPECT_EQ(classify(layout_, edges, samples(is_held, at_rest).view), Rim::still);
+    return planes_close(layout_, edges);
+  };
+  EXPECT_FALSE(closes(tube, along));
+  EXPECT_TRUE(closes(tube, across));
+  EXPECT_TRUE(closes(tube, [](const Point&, int) { return true; }));
+  EXPECT_TRUE(closes(joined(tube, face(0, 1.0)), [](const Point&, int) { return true; }));
+  EXPECT_TRUE(closes(face(0, 1.0), along));
+}
+
 // Five faces of the cube, the sixth closed by the cone to the middle of its sides.
 TEST_P(Rims, AHeldLoopIsClosedByALid) {
   auto facets = face(0, 1.0);

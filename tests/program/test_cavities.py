@@ -127,6 +127,34 @@ class Cavities(ProgramTest):
                 self.assertEqual(done.returncode, 2, done.stdout)
                 self.assertIn(message, done.stderr)
 
+    def test_an_end_that_slides_along_its_walls_is_open(self):
+        # A square tube in a block, one end of which is a plate that moves along it: the lid would move, too.
+        self.write("tube.geo", """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 1, 1, 1}; Box(2) = {0, 0.25, 0.25, 1, 0.5, 0.5};
+BooleanDifference(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
+e = 1e-6;
+ends() = Surface In BoundingBox {-e, -e, -e, e, 1+e, 1+e};
+tops() = Surface In BoundingBox {1-e, -e, -e, 1+e, 1+e, 1+e};
+Physical Volume("block") = {3};
+Physical Surface("low") = {ends()};
+Physical Surface("high") = {tops()};
+Physical Surface("wall") = Surface In BoundingBox {-e, 0.25-e, 0.25-e, 1+e, 0.75+e, 0.75+e};
+Mesh.MeshSizeMax = 0.5;
+""")
+        text = """mesh: {file: tube.geo}
+bodies: [{volume: block, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.3}}]
+constraints:
+  - {surface: low, displacement: [0, 0, 0]}
+  - {surface: high, HELD}
+cavities: [{name: c, surface: wall, volume: 0.25, gas: {}}]
+"""
+        for held in ("rigid: {translation: [free, 0, 0], rotation: fixed}", "displacement: [free, 0, 0]"):
+            done = self.call("run", self.write("in.yaml", text.replace("HELD", held) + STATIC))
+            self.assertEqual(done.returncode, 2, done.stdout)
+            self.assertIn("is open: the edge of surface 'wall' slides along its walls, and no lid goes with it", done.stderr)
+        for held in ("displacement: [0, free, free]", "displacement: [0, 0, 0]"):
+            self.assertAlmostEqual(self.history(text.replace("HELD", held) + STATIC)["c_volume"][0], 0.25, places=12)
+
 
 if __name__ == "__main__":
     unittest.main()
