@@ -145,11 +145,11 @@ void FieldColumns::take_from_shells(const Column& column, const StepRecord& reco
   const std::string_view name = column.of.field.name;
   std::array<double, 6> values{};
   for (const std::size_t shell : column.region->parts) {
-    for (const LayerFacet& facet : fields_.facets_of_shell(shell, record)) {
-      if (!facet.is_counted || (name == curvature_name && !facet.has_curvature)) continue;
-      put_shell_field(name, facet.state, values.data());
+    for (const LayerTriangle& triangle : fields_.triangles_of_shell(shell, record)) {
+      if (!triangle.is_counted || (name == curvature_name && !triangle.has_curvature)) continue;
+      put_shell_field(name, triangle.state, values.data());
       compare(column, values.data(), sum);
-      add(column, facet.area, values.data(), sum);
+      add(column, triangle.area, values.data(), sum);
     }
   }
 }

@@ -200,7 +200,7 @@ ResultFields::ResultFields(const Config& config, Model& model)
       time_scale_(config.time.step > 0.0 ? config.time.step : 1.0),
       is_nodal_(config.output.is_nodal),
       work_(make_vector(model.layout())),
-      facets_(config.shells.size()) {
+      triangles_(config.shells.size()) {
   const std::vector<std::string> names = names_in_use(config);
   if (asks_for_mesh_error(config)) mesh_error_.emplace(model);
   const auto is_of_cells = [&](const CellResult& of) { return std::ranges::find(names, of.name) != names.end(); };
@@ -307,10 +307,10 @@ void ResultFields::add_contact_fields(const StepRecord& record, std::span<const 
   }
 }
 
-const std::vector<LayerFacet>& ResultFields::facets_of_shell(std::size_t shell, const StepRecord& record) {
+const std::vector<LayerTriangle>& ResultFields::triangles_of_shell(std::size_t shell, const StepRecord& record) {
   forget_parts_before(record.step);
-  if (!facets_[shell]) facets_[shell] = shell_fields_.of_facets(shell, record);
-  return *facets_[shell];
+  if (!triangles_[shell]) triangles_[shell] = shell_fields_.of_triangles(shell, record);
+  return *triangles_[shell];
 }
 
 const RodState& ResultFields::rods(const StepRecord& record) {
@@ -322,7 +322,7 @@ const RodState& ResultFields::rods(const StepRecord& record) {
 void ResultFields::forget_parts_before(std::int64_t step) {
   if (step_of_parts_ == step) return;
   step_of_parts_ = step;
-  for (auto& facets : facets_) facets.reset();
+  for (auto& triangles : triangles_) triangles.reset();
   rods_.reset();
 }
 
@@ -333,7 +333,7 @@ void ResultFields::add_shell_fields(const StepRecord& record, std::span<const st
     if (std::ranges::find(names, of.name) == names.end()) continue;
     if (!nodes) {
       nodes = shell_fields_.at_nodes(
-          [&](std::size_t s) -> const std::vector<LayerFacet>& { return facets_of_shell(s, record); });
+          [&](std::size_t s) -> const std::vector<LayerTriangle>& { return triangles_of_shell(s, record); });
     }
     FieldValues field{info_of_field(of.name), of.unit, FieldLocation::node, {}};
     field.values.resize(field.width() * nodes->size());

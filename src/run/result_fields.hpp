@@ -60,8 +60,8 @@ class ResultFields {
   std::vector<FieldValues> at(const StepRecord& record, std::span<const std::string> names);
   /// Collective; only if the input asks for the error.
   const MeshError& mesh_error(const StepRecord& record) { return mesh_error_->at(record); }
-  /// The facets of a shell, and the segments of all rods, for columns that are taken from them. Collective.
-  const std::vector<LayerFacet>& facets_of_shell(std::size_t shell, const StepRecord& record);
+  /// The triangles of a shell, and the segments of all rods, for columns that are taken from them. Collective.
+  const std::vector<LayerTriangle>& triangles_of_shell(std::size_t shell, const StepRecord& record);
   const RodState& rods(const StepRecord& record);
   void forget();
   bool has_mesh_error() const { return mesh_error_.has_value(); }
@@ -88,8 +88,8 @@ class ResultFields {
   std::optional<DiscretizationError> mesh_error_;
   std::optional<std::int64_t> step_of_cells_, step_of_nodes_, step_of_parts_;
   std::vector<CellState> cells_, nodes_;
-  std::vector<std::optional<std::vector<LayerFacet>>> facets_;  // of each shell, at the step of parts
-  std::optional<RodState> rods_;                                // likewise
+  std::vector<std::optional<std::vector<LayerTriangle>>> triangles_;  // of each shell, at the step of parts
+  std::optional<RodState> rods_;                                      // likewise
 };
 
 }  // namespace pliant

@@ -1,6 +1,7 @@
 #include "run/shell_fields.hpp"
 
 #include "fem/cell_integration.hpp"
+#include "fem/facet_triangles.hpp"
 #include "input/analysis.hpp"
 
 #include <algorithm>
@@ -16,19 +17,34 @@ void add(Symmetric& sum, double weight, const Symmetric& part) {
   for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += weight * part[k];
 }
 
-/// The facet's corners as global numbers, by which layers that lie on one another are found.
-std::array<std::int64_t, 3> corners_of(const NodeLayout& layout, std::span<const PetscInt> nodes) {
+/// The nodes of the triangles of a facet.
+std::vector<std::array<PetscInt, 3>> triangles_of(std::span<const PetscInt> nodes) {
+  std::vector<std::array<PetscInt, 3>> result;
+  for (const auto& [a, b, c] : triangles_of_facet(static_cast<int>(nodes.size()))) {
+    result.push_back(
+        {nodes[static_cast<std::size_t>(a)], nodes[static_cast<std::size_t>(b)], nodes[static_cast<std::size_t>(c)]});
+  }
+  return result;
+}
+
+double area_of(const NodeLayout& layout, const std::array<PetscInt, 3>& nodes) {
+  const Vector3<double> a = layout.position(nodes[0]), b = layout.position(nodes[1]), c = layout.position(nodes[2]);
+  return 0.5 * norm(cross(b - a, c - a));
+}
+
+/// A triangle's corners as global numbers, by which layers that lie on one another are found.
+std::array<std::int64_t, 3> corners_of(const NodeLayout& layout, const std::array<PetscInt, 3>& nodes) {
   std::array<std::int64_t, 3> corners{layout.global_node(nodes[0]), layout.global_node(nodes[1]),
                                       layout.global_node(nodes[2])};
   std::ranges::sort(corners);
   return corners;
 }
 
-/// The states of a facet of several layers.
+/// The states of a triangle of several layers.
 struct Stack {
   LayerState sum;
   double area = 0.0, bent = 0.0;  // bent: how much of all layers' area the curvature is the sum over
-  std::span<const PetscInt> nodes;
+  std::array<PetscInt, 3> nodes{};
 };
 
 }  // namespace
@@ -47,67 +63,68 @@ ShellFields::ShellFields(const Config& config, Model& model)
   for (const ModelShell& shell : model.shells().shells) {
     std::vector<double>& areas = areas_.emplace_back();
     for (PetscInt f = 0; f < shell.facets.size(); ++f) {
-      double& area = areas.emplace_back(0.0);
+      double whole = 0.0, flat = 0.0;
       for_each_point_of_facet(layout, shell.facets.nodes_of(f),
-                              [&](const IntegrationPoint& point) { area += point.weight; });
+                              [&](const IntegrationPoint& point) { whole += point.weight; });
+      const auto triangles = triangles_of(shell.facets.nodes_of(f));
+      for (const auto& nodes : triangles) flat += area_of(layout, nodes);
+      for (const auto& nodes : triangles) areas.push_back(whole * area_of(layout, nodes) / flat);
     }
   }
 }
 
-std::vector<LayerFacet> ShellFields::of_facets(std::size_t number, const StepRecord& record) const {
+std::vector<LayerTriangle> ShellFields::of_triangles(std::size_t number, const StepRecord& record) const {
   const ModelShell& shell = model_.shells().shells[number];
   const NodeLayout& layout = model_.layout();
   const Instant at = record.instant(model_);
   EnergyAccounts accounts = model_.potential().accounts();
-  std::vector<LayerFacet> facets(static_cast<std::size_t>(shell.facets.size()));
-  for (std::size_t f = 0; f < facets.size(); ++f) {
-    facets[f].area = areas_[number][f];
-    const auto nodes = shell.facets.nodes_of(static_cast<PetscInt>(f));
-    const auto first = std::ranges::min_element(nodes.first(3), {}, [&](PetscInt n) { return layout.global_node(n); });
-    facets[f].is_counted = *first < layout.num_owned_nodes;
-  }
-  std::vector<Symmetric> forces(facets.size(), Symmetric{});
+  std::vector<Symmetric> forces(static_cast<std::size_t>(shell.facets.size()), Symmetric{});
   const BodyState state =
       accounts.state_of(*shell.membrane.elasticity, at, record.q, is_static_ ? nullptr : record.v, nullptr);
   shell.membrane.elasticity->add_forces_per_length(state.q, state.v, forces);
   if (shell.membrane.viscosity) shell.membrane.viscosity->add_forces_per_length(state.q, state.v, forces);
-  for (std::size_t f = 0; f < facets.size(); ++f) facets[f].state.force = forces[f];
-  if (!shell.bending) return facets;
-  const BodyState bent = accounts.state_of(*shell.bending, at, record.q, nullptr, nullptr);
-  if (bent.at.near == nullptr) return facets;
-  std::vector<double> area_of_curvature(facets.size(), 0.0);
-  shell.bending->visit(*bent.at.near, bent.q, [&](const BentTriangle& triangle) {
-    const auto f = static_cast<std::size_t>(triangle.facet);
-    add(facets[f].state.moment, triangle.area / facets[f].area, triangle.moment);
-    if (!triangle.is_surrounded) return;
-    add(facets[f].state.curvature, triangle.area, triangle.curvature);
-    area_of_curvature[f] += triangle.area;
-  });
-  for (std::size_t f = 0; f < facets.size(); ++f) {
-    facets[f].has_curvature = area_of_curvature[f] > 0.0;
-    if (!facets[f].has_curvature) continue;
-    for (double& entry : facets[f].state.curvature) entry /= area_of_curvature[f];
+  const std::size_t per_facet = triangles_of_facet(shell.facets.nodes_per_facet).size();
+  std::vector<LayerTriangle> triangles(areas_[number].size());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const std::size_t f = t / per_facet;
+    const auto nodes = shell.facets.nodes_of(static_cast<PetscInt>(f));
+    const auto first = std::ranges::min_element(nodes.first(3), {}, [&](PetscInt n) { return layout.global_node(n); });
+    triangles[t].area = areas_[number][t];
+    triangles[t].is_counted = *first < layout.num_owned_nodes;
+    triangles[t].state.force = forces[f];
   }
-  return facets;
+  if (!shell.bending) return triangles;
+  const BodyState bent = accounts.state_of(*shell.bending, at, record.q, nullptr, nullptr);
+  if (bent.at.near == nullptr) return triangles;
+  shell.bending->visit(*bent.at.near, bent.q, [&](const BentTriangle& of) {
+    LayerTriangle& triangle = triangles[static_cast<std::size_t>(of.number)];
+    triangle.state.moment = of.moment;
+    triangle.has_curvature = of.is_surrounded;
+    if (of.is_surrounded) triangle.state.curvature = of.curvature;
+  });
+  return triangles;
 }
 
 std::vector<LayerState> ShellFields::at_nodes(
-    const std::function<const std::vector<LayerFacet>&(std::size_t)>& of_shell) const {
+    const std::function<const std::vector<LayerTriangle>&(std::size_t)>& of_shell) const {
   const NodeLayout& layout = model_.layout();
   std::map<std::array<std::int64_t, 3>, Stack> stacks;
   for (std::size_t s = 0; s < model_.shells().shells.size(); ++s) {
     const FacetList& list = model_.shells().shells[s].facets;
-    const std::vector<LayerFacet>& facets = of_shell(s);
-    for (std::size_t f = 0; f < facets.size(); ++f) {
-      const auto nodes = list.nodes_of(static_cast<PetscInt>(f));
-      Stack& stack = stacks[corners_of(layout, nodes)];
-      stack.nodes = nodes;
-      stack.area = facets[f].area;
-      add(stack.sum.force, 1.0, facets[f].state.force);
-      add(stack.sum.moment, 1.0, facets[f].state.moment);
-      if (!facets[f].has_curvature) continue;
-      add(stack.sum.curvature, facets[f].area, facets[f].state.curvature);
-      stack.bent += facets[f].area;
+    const std::vector<LayerTriangle>& triangles = of_shell(s);
+    std::size_t t = 0;
+    for (PetscInt f = 0; f < list.size(); ++f) {
+      for (const auto& nodes : triangles_of(list.nodes_of(f))) {
+        const LayerTriangle& triangle = triangles[t++];
+        Stack& stack = stacks[corners_of(layout, nodes)];
+        stack.nodes = nodes;
+        stack.area = triangle.area;
+        add(stack.sum.force, 1.0, triangle.state.force);
+        add(stack.sum.moment, 1.0, triangle.state.moment);
+        if (!triangle.has_curvature) continue;
+        add(stack.sum.curvature, triangle.area, triangle.state.curvature);
+        stack.bent += triangle.area;
+      }
     }
   }
   std::vector<LayerState> at_nodes(static_cast<std::size_t>(layout.num_local_nodes));

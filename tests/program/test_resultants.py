@@ -78,6 +78,26 @@ constraints: [{{where: "x > -1", displacement: [0, 0, "{k / 2}*x^2"]}}]
                 size = k if "curvature" in name else D * k
                 np.testing.assert_allclose(frame[name][inside] / size, np.tile(want, (inside.sum(), 1)) / size, atol=2e-3, err_msg=name)
 
+    def test_the_moment_at_a_clamped_edge(self):
+        # Timoshenko: -0.0513 q a^2 at the middle of the side of a clamped square. A facet of six nodes is four triangles, each
+        # with its moment: as many squares of quadratic elements are as good as twice as many of linear ones.
+        q, found = 1.0, {}
+        for element, n in (("P1", 8), ("P1", 16), ("P2", 8)):
+            write_patch(self.directory / "sheet.msh", n, flat)
+            sides = ("s0", "s1", "t0", "t1")
+            text = f"""mesh: {{file: sheet.msh}}
+element: {element}
+shells: [{{name: plate, surface: sheet, free: true, thickness: 0.01, bending: true, {LAW % (1e9, 0.3)},
+  clamped: [{", ".join(f"{{curve: {side}}}" for side in sides)}]}}]
+constraints: [{", ".join(f"{{curve: {side}, displacement: [0, 0, 0]}}" for side in sides)}]
+loads: [{{surface: sheet, traction: [0, 0, {q}]}}]
+"""
+            _, row = self.frame(text, history="{name: M, of: bending_moment_xx, in: plate, take: min}, "
+                                              "{name: N, of: bending_moment_xx, in: plate, take: max}")
+            found[element, n] = max(abs(row["M"]), abs(row["N"]))
+        self.assertAlmostEqual(found["P1", 16] / 0.0513, 1, delta=0.05)
+        self.assertAlmostEqual(found["P2", 8] / found["P1", 16], 1, delta=0.02)
+
     def test_a_balloon(self):
         # N = p r/2 and curvatures of 1/r, negative where normals point inwards.
         mu, h, R, stretch = 300e3, 1e-3, 0.1, 1.2

@@ -14,13 +14,14 @@ namespace {
 
 using TriangleNodes = ShellTopology::Triangle;
 
-/// f(local nodes, facet) of each triangle of each facet.
+/// f(local nodes, facet, number) of each triangle of each facet.
 template <class F>
 void for_each_triangle(const FacetList& facets, const F& f) {
   const auto triangles = triangles_of_facet(facets.nodes_per_facet);
+  PetscInt number = 0;
   for (PetscInt facet = 0; facet < facets.size(); ++facet) {
     const auto nodes = facets.nodes_of(facet);
-    for (const auto& [a, b, c] : triangles) f(std::array{nodes[a], nodes[b], nodes[c]}, facet);
+    for (const auto& [a, b, c] : triangles) f(std::array{nodes[a], nodes[b], nodes[c]}, facet, number++);
   }
 }
 
@@ -79,7 +80,7 @@ std::vector<GivenTriangle> all_triangles(
     const std::function<BendingStiffness(const std::array<double, 3>&)>& stiffness) {
   std::vector<GivenTriangle> here;
   on_every_rank(layout.comm, [&] {
-    for_each_triangle(facets, [&](const std::array<PetscInt, 3>& nodes, PetscInt facet) {
+    for_each_triangle(facets, [&](const std::array<PetscInt, 3>& nodes, PetscInt facet, PetscInt /*number*/) {
       if (facets.is_owned[facet] == 0) return;
       GivenTriangle& triangle = here.emplace_back();
       Vector3<double> middle{};
@@ -115,7 +116,7 @@ ShellBending::ShellBending(const NodeLayout& layout, const FacetList& facets,
 // All ranks know the corners in the same order.
 void ShellBending::list_patches(const NodeLayout& layout, const FacetList& facets) {
   patches_.nodes_per_patch = 3;
-  for_each_triangle(facets, [&](const std::array<PetscInt, 3>& nodes, PetscInt facet) {
+  for_each_triangle(facets, [&](const std::array<PetscInt, 3>& nodes, PetscInt facet, PetscInt of_facets) {
     const auto is_owned = [&](PetscInt node) { return node < layout.num_owned_nodes; };
     TriangleNodes global{};
     for (std::size_t k = 0; k < 3; ++k) global[k] = layout.global_node(nodes[k]);
@@ -125,7 +126,7 @@ void ShellBending::list_patches(const NodeLayout& layout, const FacetList& facet
     for (std::size_t k = 0; k < 3; ++k) oriented[k] = nodes[std::ranges::find(global, (*place)[k]) - global.begin()];
     const bool is_rotation = oriented[(std::ranges::find(oriented, nodes[0]) - oriented.begin() + 1) % 3] == nodes[1];
     const bool is_outer = facets.is_outer[static_cast<std::size_t>(facet)] != 0;
-    faces_[number] = {facet, !is_outer ? sign_of_upper_side(layout, oriented) : is_rotation ? 1.0 : -1.0};
+    faces_[number] = {of_facets, !is_outer ? sign_of_upper_side(layout, oriented) : is_rotation ? 1.0 : -1.0};
     if (std::ranges::none_of(nodes, is_owned)) return;
     patches_.nodes.insert(patches_.nodes.end(), oriented.begin(), oriented.end());
     patches_.keys.push_back(number);
@@ -347,7 +348,7 @@ void ShellBending::visit(const NearPatches& near, std::span<const double> q,
     const auto& [D, nu] = stencil.stiffness;
     const std::array<double, 3> moment{change[0] + nu * change[1], change[1] + nu * change[0],
                                        0.5 * (1.0 - nu) * change[2]};
-    visitor({face->second.facet, stencil.area, stencil.is_surrounded,
+    visitor({face->second.number, stencil.area, stencil.is_surrounded,
              plane.in_space(sign, {whole[0], whole[1], 0.5 * whole[2]}, plane.inverse()),
              plane.in_space(sign * D / plane.area_ratio(), moment, plane.transposed())});
   }

@@ -28,9 +28,9 @@ struct ClampedEdges {
 
 /// The bending of a triangle of a facet, in the axes of space: xx yy zz xy yz xz.
 struct BentTriangle {
-  PetscInt facet = 0;                 ///< number in the list of the layer
-  double area = 0.0;                  ///< of the triangle at rest [m^2]
-  bool is_surrounded = false;         ///< by neighbours at all sides: elsewhere, curvatures at rest are guesses
+  PetscInt number = 0;         ///< among the triangles of the layer's facets, facet by facet (facet_triangles.hpp)
+  double area = 0.0;           ///< of the triangle at rest [m^2]
+  bool is_surrounded = false;  ///< by neighbours at all sides: elsewhere, curvatures at rest are guesses
   std::array<double, 6> curvature{};  ///< of the surface, positive where its outer side is convex [1/m]
   std::array<double, 6> moment{};     ///< per length, positive where the outer side is stretched [N]
 };
@@ -83,8 +83,8 @@ class ShellBending final : public EnergyTerm, public PairCoupling {
   std::vector<BendingStiffness> stiffness_;  // of each triangle
   Patches patches_;
   struct Face {
-    PetscInt facet = 0;
-    double sign = 1.0;  // 1 where the normal of the topology's triangle points to the outer side, else -1
+    PetscInt number = 0;  // among those of the facets
+    double sign = 1.0;    // 1 where the normal of the topology's triangle points to the outer side, else -1
   };
   std::map<std::int64_t, Face> faces_;  // by the number of the triangle, of this rank's facets
   FixedPairs fixed_;
