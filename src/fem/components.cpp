@@ -142,13 +142,27 @@ std::vector<std::vector<int>> met_components(const std::vector<ComponentBox>& bo
 }
 
 /// Nodes of all ranks in the box of a component that theirs meets, in ascending order of x. Collective.
+bool is_left_out(const Components& components, PetscInt cell) {
+  return !components.is_left_out.empty() && components.is_left_out[static_cast<std::size_t>(cell)] != 0;
+}
+
+std::vector<char> nodes_of_cells_left_out(const NodeLayout& layout, const Components& components) {
+  std::vector<char> result(static_cast<std::size_t>(layout.num_local_nodes), 0);
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    if (!is_left_out(components, c)) continue;
+    for (const PetscInt n : layout.nodes_of_cell(c)) result[static_cast<std::size_t>(n)] = 1;
+  }
+  return result;
+}
+
 std::vector<Candidate> candidates(const NodeLayout& layout, const Components& components, std::span<const double> u,
                                   const std::vector<ComponentBox>& boxes, const std::vector<std::vector<int>>& met,
                                   std::size_t most) {
+  const std::vector<char> are_left_out = nodes_of_cells_left_out(layout, components);
   std::vector<Candidate> mine;
   for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
     const int a = components.of_node[n];
-    if (met[a].empty()) continue;
+    if (met[a].empty() || are_left_out[static_cast<std::size_t>(n)] != 0) continue;
     const Position x = current(layout, u, n);
     if (std::ranges::none_of(met[a], [&](int b) { return boxes[b].holds(x); })) continue;
     mine.push_back({x, a});
@@ -310,6 +324,7 @@ std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Component
   std::vector<double> depths(points.size(), infinity);
   std::vector<int> holders(points.size(), -1);
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    if (is_left_out(components, c)) continue;
     const auto nodes = layout.nodes_of_cell(c);
     const int component = components.of_node[nodes[0]];
     if (may_hold[static_cast<std::size_t>(component)] == 0) continue;

@@ -215,7 +215,7 @@ void Constraints::add_supports(const Config& config) {
     const Part& part = parts_[c];
     const auto* rigid = std::get_if<ConstraintConfig::Rigid>(&config.constraints[c].kind);
     if (rigid != nullptr && rigid->is_implied) {
-      support_of_part_.push_back(0);  // not asked for: it holds nothing
+      support_of_part_.push_back(no_support);
       continue;
     }
     const bool is_rigid = part.displacement.rigid.has_value();
@@ -282,8 +282,10 @@ std::vector<Reaction> Constraints::reactions(Vec r, Vec q) const {
   }
   std::vector<double> sums(6 * supports_.size(), 0.0);
   {
-    const ConstArrayView reaction(r), u(q);
+    const Handle<Vec> carried = with_ties(r);
+    const ConstArrayView own(r), with_slaves(carried.get()), u(q);
     for (std::size_t s = 0; s < supports_.size(); ++s) {
+      const auto& reaction = supports_[s].rigid_part ? with_slaves : own;
       for (const PetscInt dof : supports_[s].dofs) {
         const int i = dof % 3, j = (i + 1) % 3, k = (i + 2) % 3;
         const PetscInt node = dof / 3;
@@ -302,11 +304,48 @@ std::vector<Reaction> Constraints::reactions(Vec r, Vec q) const {
     std::copy_n(sums.begin() + 6 * static_cast<std::ptrdiff_t>(s), 3, result[s].force.begin());
     std::copy_n(sums.begin() + 6 * static_cast<std::ptrdiff_t>(s) + 3, 3, result[s].torque.begin());
   }
+  add_joints(r, q, centres, result);
   return result;
+}
+
+Handle<Vec> Constraints::with_ties(Vec r) const {
+  Handle<Vec> carried;
+  check(VecDuplicate(r, carried.out()));
+  map_ ? map_->carry_forces(r, carried.get()) : check(VecCopy(r, carried.get()));
+  return carried;
+}
+
+// A joint exerts on its first body the opposite of what it exerts on the second, at the same place.
+void Constraints::add_joints(Vec r, Vec q, std::span<const Vector3<double>> centres,
+                             std::vector<Reaction>& reactions) const {
+  const auto is_supported = [&](std::size_t part) {
+    return part != ModelJoint::ground && support_of_part_[part] != no_support;
+  };
+  const auto is_at_support = [&](const ModelJoint& joint) { return std::ranges::any_of(joint.parts, is_supported); };
+  if (std::ranges::none_of(joints_, is_at_support)) return;
+  const std::vector<JointReaction> on_second = joint_reactions(r, q);
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const ModelJoint& joint = joints_[j];
+    if (!is_at_support(joint)) continue;
+    const auto states = joint.mechanism->states(joint.bodies, q, q);
+    const Vector3<double> place = states[1].motion().point(joint.second_point);
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (!is_supported(joint.parts[side])) continue;
+      const std::size_t s = support_of_part_[joint.parts[side]];
+      const double sign = side == 0 ? 1.0 : -1.0;
+      const Vector3<double> moment = on_second[j].torque + cross(place - centres[s], on_second[j].force);
+      for (std::size_t i = 0; i < 3; ++i) {
+        reactions[s].force[i] += sign * on_second[j].force[i];
+        reactions[s].torque[i] += sign * moment[i];
+      }
+    }
+  }
 }
 
 std::vector<JointReaction> Constraints::joint_reactions(Vec r, Vec q) const {
   std::vector<JointReaction> result(joints_.size());
+  if (joints_.empty()) return result;
+  const Handle<Vec> carried = with_ties(r);
   std::vector<const Mechanism*> done;
   for (const ModelJoint& first : joints_) {
     if (std::ranges::find(done, first.mechanism) != done.end()) continue;
@@ -318,7 +357,7 @@ std::vector<JointReaction> Constraints::joint_reactions(Vec r, Vec q) const {
       points.push_back(joints_[j].second_point);
       numbers.push_back(j);
     }
-    const auto reactions = first.mechanism->reactions(r, q, points);
+    const auto reactions = first.mechanism->reactions(carried.get(), q, points);
     for (std::size_t k = 0; k < numbers.size(); ++k) result[numbers[k]] = reactions[k];
   }
   return result;

@@ -68,6 +68,10 @@ class Constraints {
   Part plane(const ConstraintConfig& constraint, Selections& selections);
   Part rigid(const ConstraintConfig& constraint, Selections& selections);
   void add_supports(const Config& config);
+  /// The gradient `r` with the forces of slaves on their masters; of `r` itself where there are no ties. Collective.
+  Handle<Vec> with_ties(Vec r) const;
+  /// Adds what joints exert on the rigid parts of supports. `centres`: of their torques [m]. Collective.
+  void add_joints(Vec r, Vec q, std::span<const Vector3<double>> centres, std::vector<Reaction>& reactions) const;
   void add_multipliers(Vec r, std::vector<double>& sums) const;
 
   const NodeLayout& layout_;
@@ -76,7 +80,8 @@ class Constraints {
   std::unique_ptr<ConstraintMap> map_;
   std::vector<ModelJoint> joints_;
   std::vector<Support> supports_;
-  std::vector<std::size_t> support_of_part_;
+  std::vector<std::size_t> support_of_part_;  // no_support: it was not asked for, and holds nothing
+  static constexpr auto no_support = static_cast<std::size_t>(-1);
   std::vector<Diagnostic> description_;
 };
 

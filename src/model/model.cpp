@@ -299,6 +299,7 @@ void Model::find_components(const Config& config, Selections& selections) {
     links.push_back(std::move(nodes));
   }
   for (const auto& nodes : links) join(components_, layout_, nodes);
+  components_.is_left_out = cells_without_mesh(config, body_of_cell_);
   if (const auto found = check_support(config, layout_, components_, held, selections)) include({*found});
 }
 

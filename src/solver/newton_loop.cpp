@@ -61,6 +61,8 @@ StageReport NewtonLoop::run(Vec q) {
   line_search_.begin();
   {
     const Stopwatch watch(total);
+    // PETSc 3.18 never clears the error of an earlier solve, so that it counts only where it is set.
+    check(SNESSetCheckJacobianDomainError(snes_.get(), PETSC_FALSE));
     guard_.rethrow(SNESSolve(snes_.get(), nullptr, q));
   }
   const double accounted =
@@ -88,7 +90,9 @@ void NewtonLoop::linearize(Vec q) {
   const bool is_prepared = projects ? system_.prepare_with_projected_walls(q)
                                     : system_.prepare(q, hovers ? shifted_diagonal : projected_walls);
   num_projecting_ = projects ? num_projecting_ + 1 : 0;
-  if (!is_prepared) check(SNESSetJacobianDomainError(snes_.get()));
+  if (is_prepared) return;
+  check(SNESSetJacobianDomainError(snes_.get()));
+  check(SNESSetCheckJacobianDomainError(snes_.get(), PETSC_TRUE));
 }
 
 bool NewtonLoop::goes_on_projecting() const {
@@ -326,7 +330,6 @@ Handle<SNES> NewtonLoop::make_snes(Mat K, const NewtonOptions& options, LinearKi
   check(SNESSetTolerances(snes, PETSC_DEFAULT, PETSC_DEFAULT, 0.0, options.max_iterations, PETSC_MAX_INT));
   // Only LinearSystem sets up preconditioners.
   check(SNESSetLagPreconditioner(snes, -1));
-  check(SNESSetCheckJacobianDomainError(snes, PETSC_TRUE));
   // The line search handles a failed linear solve: it escalates.
   check(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT));
   SNESLineSearch search = nullptr;

@@ -260,6 +260,44 @@ TEST_F(Newton, AFloatingBodyUnderLoadIsToBeRetried) {
   }
 }
 
+/// A Hessian that is not a number as long as the test says so.
+class SpoiltHessian final : public EnergyTerm {
+ public:
+  SpoiltHessian(const Solid& solid, const bool* is_spoilt) : block_(solid.pattern().block(0, 0)), is_spoilt_(is_spoilt) {}
+  std::string_view name() const override { return "spoilt"; }
+  TermDeclaration declaration() const override { return {}; }
+  double value(const LocalStage&, std::span<const double>) const override { return 0.0; }
+  void add_gradient(const LocalStage&, std::span<const double>, std::span<double>) const override {}
+  void add_hessian(const LocalStage&, std::span<const double>, const BlockWriter& K, Projection) const override {
+    if (*is_spoilt_) K.block(0, block_).values[0] += std::numeric_limits<double>::quiet_NaN();
+  }
+
+ private:
+  std::int32_t block_;
+  const bool* is_spoilt_;
+};
+
+TEST_F(Newton, AStageWithoutAFactorizationDoesNotSpoilTheNext) {
+  for (const auto kind : {LinearKind::cholesky, LinearKind::amg}) {
+    bool is_spoilt = true;
+    ProblemSpec spec = clamped(make_law("neo-hookean", 1e6, 0.3));
+    spec.linear = kind;
+    spec.loads = [&](const Solid& solid) {
+      auto terms = with_term<SpoiltHessian>(&is_spoilt)(solid);
+      terms.push_back(solid.traction({Expression(1e4), Expression(), Expression()}));
+      return terms;
+    };
+    Problem problem(comm, mesh(2), spec);
+    const auto q = problem.solid().vector(test::at_rest);
+    EXPECT_EQ(problem.solve_static(q).outcome, StageOutcome::retry);
+    is_spoilt = false;
+    const auto again = problem.solid().vector(test::at_rest);
+    const auto report = problem.solve_static(again);
+    EXPECT_EQ(report.outcome, StageOutcome::converged) << report.reason;
+    expect_same_everywhere(report);
+  }
+}
+
 TEST_F(Newton, OutOfIterationsIsToBeRetried) {
   ProblemSpec spec = clamped(make_law("neo-hookean", 1e6, 0.3));
   spec.loads = traction(3e5, 0.0, 0.0);

@@ -101,6 +101,8 @@ class ConstraintMap {
   /// DependentNodes). With `Correction::of_slaves` T is linear. Refers to this object. Not collective.
   PrescribedMotion motion(PrescribedMotion before, Correction correction = Correction::nearest) const;
 
+  /// LinearTies::carry_forces.
+  void carry_forces(Vec r, Vec carried) const { ties_.carry_forces(r, carried); }
   /// LinearTies::multipliers. Not collective.
   std::vector<std::array<double, 3>> multipliers(Vec reaction) const { return ties_.multipliers(reaction); }
 

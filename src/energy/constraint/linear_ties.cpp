@@ -194,6 +194,13 @@ void LinearTies::weigh_slaves(Vec q, Vec x) const {
   }
 }
 
+void LinearTies::carry_forces(Vec r, Vec carried) const {
+  check(VecCopy(r, carried));
+  if (is_empty_) return;
+  check(MatMultTranspose(C_.get(), r, work_.get()));
+  check(VecAXPY(carried, 1.0, work_.get()));
+}
+
 std::vector<std::array<double, 3>> LinearTies::multipliers(Vec reaction) const {
   std::vector<std::array<double, 3>> result(given_.size(), std::array<double, 3>{});
   const ConstArrayView r(reaction);

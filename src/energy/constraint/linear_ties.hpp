@@ -48,6 +48,9 @@ class LinearTies {
   /// entries.
   void weigh_slaves(Vec q, Vec x) const;
 
+  /// carried = r, forces, and in the entries of masters also what their slaves exert on them.
+  void carry_forces(Vec r, Vec carried) const;
+
   /// Reactions of the given displacements, by source and component: the work of the ties per unit of given displacement
   /// [N]. `reaction`: the gradient of the potential. This rank's part. Not collective.
   std::vector<std::array<double, 3>> multipliers(Vec reaction) const;
