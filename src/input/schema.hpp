@@ -14,6 +14,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -40,7 +41,46 @@ struct KeyGroup {
   std::vector<std::vector<std::string>> together = {};  ///< exactly_one: sets of keys that count as one
 };
 
-/// A key as users see it.
+/// A list that copies share.
+template <class T>
+class SharedList {
+ public:
+  SharedList() = default;
+  SharedList(std::vector<T> items) : items_(std::make_shared<const std::vector<T>>(std::move(items))) {}
+
+  const std::vector<T>& all() const {
+    static const std::vector<T> none;
+    return items_ ? *items_ : none;
+  }
+  operator const std::vector<T>&() const { return all(); }
+  auto begin() const { return all().begin(); }
+  auto end() const { return all().end(); }
+  bool empty() const { return all().empty(); }
+  const T& front() const { return all().front(); }
+
+ private:
+  std::shared_ptr<const std::vector<T>> items_;
+};
+
+/// A function whose copies share what it holds.
+template <class Signature>
+class SharedFunction;
+template <class Result, class... Argument>
+class SharedFunction<Result(Argument...)> {
+ public:
+  SharedFunction() = default;
+  template <class F>
+  requires(!std::is_same_v<std::remove_cvref_t<F>, SharedFunction>) SharedFunction(F&& function)
+      : function_(std::make_shared<const std::function<Result(Argument...)>>(std::forward<F>(function))) {}
+
+  Result operator()(Argument... arguments) const { return (*function_)(std::forward<Argument>(arguments)...); }
+
+ private:
+  std::shared_ptr<const std::function<Result(Argument...)>> function_;
+};
+
+/// A key as users see it. Keys stand in keys, four deep: without what is shared, copies of copies would take longer
+/// than to read an input.
 struct KeyInfo {
   enum class Need { optional, required };
   std::string key;
@@ -50,8 +90,8 @@ struct KeyInfo {
   std::string fallback = {};           ///< the default as a user would type it; empty: none
   std::string fallback_words = {};     ///< a default that depends on other keys, in words
   JsonSchema schema = {};              ///< of the value
-  std::vector<KeyInfo> children = {};  ///< the keys of a section or of the entries of a list of sections
-  std::vector<KeyGroup> groups = {};   ///< of the children
+  SharedList<KeyInfo> children = {};   ///< the keys of a section or of the entries of a list of sections
+  SharedList<KeyGroup> groups = {};    ///< of the children
   std::vector<std::string> also = {};  ///< other names for it, for which this key is suggested
   std::vector<Anchor> only_with = {};  ///< choices with which the key is useful, and suggested; empty: all
 
@@ -65,10 +105,10 @@ template <class V>
 struct Format {
   std::string type;
   JsonSchema schema;
-  std::function<bool(const InputNode&, const std::string& name, Diagnostics&, V&)> read;
-  std::function<InputNode(const V&)> write;
-  std::vector<KeyInfo> children = {};
-  std::vector<KeyGroup> groups = {};
+  SharedFunction<bool(const InputNode&, const std::string& name, Diagnostics&, V&)> read;
+  SharedFunction<InputNode(const V&)> write;
+  SharedList<KeyInfo> children = {};
+  SharedList<KeyGroup> groups = {};
 };
 
 /// A hint for a message where a ',' within a number or a formula has split an entry of the list; else empty.
@@ -205,8 +245,8 @@ template <class T>
 struct Field {
   KeyInfo info;
   std::optional<InputNode> fallback = {};  ///< read where the key is not given
-  std::function<void(const InputNode&, Diagnostics&, T&)> read = {};
-  std::function<InputNode(const T&)> write = {};
+  SharedFunction<void(const InputNode&, Diagnostics&, T&)> read = {};
+  SharedFunction<InputNode(const T&)> write = {};
   std::vector<Anchor> owners = {};  ///< if given, the key is allowed only with one of these
 
   Field required() && {
@@ -315,7 +355,9 @@ struct Section {
 template <class T>
 Format<T> map_of(const Section<T>& section) {
   Format<T> format{"with the keys below", {}, {}, {}};
-  for (const Field<T>& f : section.fields) format.children.push_back(f.info);
+  std::vector<KeyInfo> keys;
+  for (const Field<T>& f : section.fields) keys.push_back(f.info);
+  format.children = std::move(keys);
   format.groups = section.all_groups();
   format.schema = object_schema(format.children, format.groups);
   KeyInfo info;

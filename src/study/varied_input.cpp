@@ -46,7 +46,7 @@ const KeyInfo* key_info(const std::vector<std::string>& parts) {
     if (key == among->end()) return nullptr;
     may_be_name = true;
     found = &*key;
-    among = &key->children;
+    among = &key->children.all();
   }
   return found;
 }
