@@ -1,4 +1,5 @@
 """A page in headless Chromium, driven through the pipe of its DevTools protocol: no port, no further library."""
+import atexit
 import base64
 import io
 import json
@@ -15,13 +16,20 @@ from PIL import Image
 CHROMIUM = shutil.which("chromium")
 
 
-class Browser:
-    """Opens one page; to be used with `with`. Collects in `errors` whatever the page complains of."""
+class Chromium:
+    """The process, and the pipes to it. It takes a second to start: all pages of a program are opened in one."""
 
-    def __init__(self, size=(1280, 900)):
-        self.errors = []
-        self._last = 0
-        self._answers = {}
+    running = None
+
+    @classmethod
+    def shared(cls):
+        if cls.running is None:
+            cls.running = cls()
+            atexit.register(cls.running.stop)
+        return cls.running
+
+    def __init__(self):
+        self.last = 0
         self._buffer = b""
         self._profile = tempfile.mkdtemp(prefix="pliant-browser-")
         read_commands, self._commands = os.pipe()
@@ -30,16 +38,49 @@ class Browser:
         arguments = [CHROMIUM, "--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--disable-dev-shm-usage",
                      "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
                      "--disable-extensions", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-                     f"--window-size={size[0]},{size[1]}", f"--user-data-dir={self._profile}", "about:blank"]
+                     f"--user-data-dir={self._profile}", "about:blank"]
         self._process = subprocess.Popen(
             ["/bin/bash", "-c", f'exec "$@" 3<&{read_commands} 4>&{write_events}', "bash", *arguments],
             pass_fds=(read_commands, write_events), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(read_commands)
         os.close(write_events)
+
+    def stop(self):
+        atexit.unregister(self.stop)
+        Chromium.running = None
+        for descriptor in (self._commands, self._events):
+            os.close(descriptor)
+        self._process.terminate()
+        self._process.wait(timeout=20)
+        shutil.rmtree(self._profile, ignore_errors=True)
+
+    def send(self, message):
+        """Returns the number of the message."""
+        self.last += 1
+        os.write(self._commands, json.dumps({"id": self.last, **message}).encode() + b"\0")
+        return self.last
+
+    def receive(self, end):
+        """Messages that have come; none if it has ended, or says nothing until then."""
+        ready, _, _ = select.select([self._events], [], [], max(0.0, end - time.monotonic()))
+        read = os.read(self._events, 1 << 20) if ready else b""
+        if not read:
+            self.stop()  # the next page has another one
+            return None
+        *messages, self._buffer = (self._buffer + read).split(b"\0")
+        return list(map(json.loads, messages))
+
+
+class Browser:
+    """A window with one page; to be used with `with`. Collects in `errors` whatever the page complains of."""
+
+    def __init__(self, size=(1280, 900)):
+        self.errors = []
+        self._answers = {}
         self._session = None
-        pages = self.call("Target.getTargets")["targetInfos"]
-        page = next(target for target in pages if target["type"] == "page")
-        self._session = self.call("Target.attachToTarget", targetId=page["targetId"], flatten=True)["sessionId"]
+        self._chromium = Chromium.shared()
+        self._target = self.call("Target.createTarget", url="about:blank", newWindow=True, width=size[0], height=size[1])["targetId"]
+        self._session = self.call("Target.attachToTarget", targetId=self._target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log"):
             self.call(f"{domain}.enable")
         self.resize(*size)
@@ -48,36 +89,30 @@ class Browser:
         return self
 
     def __exit__(self, *_):
-        for descriptor in (self._commands, self._events):
-            os.close(descriptor)
-        self._process.terminate()
-        self._process.wait(timeout=20)
-        shutil.rmtree(self._profile, ignore_errors=True)
+        if self._chromium is Chromium.running:
+            self._session = None
+            self.call("Target.closeTarget", targetId=self._target)
 
     def call(self, method, timeout=60, **parameters):
         """The answer of the browser to a command."""
-        self._last += 1
-        message = {"id": self._last, "method": method, "params": parameters}
-        if self._session:
-            message["sessionId"] = self._session
-        os.write(self._commands, json.dumps(message).encode() + b"\0")
+        number = self._chromium.send({"method": method, "params": parameters} | ({"sessionId": self._session} if self._session else {}))
         end = time.monotonic() + timeout
-        while self._last not in self._answers:
+        while number not in self._answers:
             self._receive(end, method)
-        answer = self._answers.pop(self._last)
+        answer = self._answers.pop(number)
         if "error" in answer:
             raise AssertionError(f"{method}: {answer['error']}")
         return answer["result"]
 
     def _receive(self, end, method):
-        ready, _, _ = select.select([self._events], [], [], max(0.0, end - time.monotonic()))
-        read = os.read(self._events, 1 << 20) if ready else b""
-        if not read:
+        messages = self._chromium.receive(end)
+        if messages is None:
             raise AssertionError(f"{method}: the browser does not answer; it complained of {self.errors}")
-        *messages, self._buffer = (self._buffer + read).split(b"\0")
-        for message in map(json.loads, messages):
+        for message in messages:
             if "id" in message:
                 self._answers[message["id"]] = message
+            elif message.get("sessionId") != self._session:
+                continue  # of a page that was closed
             elif message["method"] == "Runtime.exceptionThrown":
                 details = message["params"]["exceptionDetails"]
                 self.errors.append(details.get("exception", {}).get("description", details["text"]))

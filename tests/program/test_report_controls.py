@@ -44,7 +44,7 @@ class ReportControls(ProgramTest):
             ReportControls.page = shutil.copy(self.directory / "sinking_bar/report.html", folder)
             ReportControls.data = ReportFile(ReportControls.page)
 
-    def open(self, size=(1200, 900), page=None):
+    def open(self, size=(900, 700), page=None):
         browser = Browser(size)
         self.addCleanup(browser.__exit__)
         browser.open(page or self.page)
@@ -264,7 +264,7 @@ class ReportControls(ProgramTest):
         self.assertEqual(pace(), "1/60 of real time")
 
     def test_saved_pictures_and_videos(self):
-        browser = self.open((900, 700))
+        browser = self.open()
         browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(self.directory))
 
         def saved(name):
