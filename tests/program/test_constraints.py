@@ -221,7 +221,8 @@ class Constraints(ProgramTest):
                     self.assertGreater(one["kinetic_energy"][-1], 1e-3)
                     self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-7 * one["kinetic_energy"].max())
                     for ranks in swept((2, 3), (2,) if name in ("periodic", "turning", "equation") else ()):
-                        self.assert_same_history(self.solve("cube.msh", constraints, material, more=more, ranks=ranks), one, 1e-7)
+                        other = self.solve("cube.msh", constraints, material, "time.end=20 ms", more=more, ranks=ranks)
+                        self.assert_same_history(other, {column: values[:3] for column, values in one.items()}, 1e-7)
 
     def test_a_step_that_fails_with_pressures(self):
         write_box(self.directory / "box.msh", (2, 2, 2), (0.1, 0.1, 0.1))
@@ -262,7 +263,8 @@ solver: {newton: {max_iterations: 10}}
                     self.assertGreater(np.log2(errors[0] / errors[1]), order - 0.3, errors)
                     self.assertLess(errors[1], 1e-3)
                     if LONG or method == "bdf":
-                        np.testing.assert_allclose(end(f"{{petsc: {method}}}", 0.1 / 40, ranks=2), one, rtol=1e-9)
+                        ends = [end(f"{{petsc: {method}}}", 0.1 / 10, ranks) for ranks in (1, 2)]
+                        np.testing.assert_allclose(*ends, rtol=1e-9)
 
     def test_mistakes_against_the_mesh(self):
         write_box(self.directory / "cube.msh", (2, 3, 2))
