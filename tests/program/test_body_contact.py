@@ -312,7 +312,7 @@ time: {{method: quasistatic, step: 0.05, end: 0.5}}
         text = two_blocks("pairs: [{name: soft, surface: base, with: block}, {name: hard, surface: block, with: top, law: barrier}]",
                           "method: bdf2, step: 1 ms, end: 30 ms", file="three.geo").replace(
             "bodies:\n", "bodies:\n  - {volume: top, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}}\n")
-        file = self.write("mixed.yaml", text + "checkpoint: {every: 15}\n")
+        file = self.write("mixed.yaml", text + "checkpoint: {every: 24}\n")
         whole = self.run_input(file, output="whole")
         self.assertLess(whole["soft_fz"].min(), 0)
         self.assertLess(whole["hard_fz"].min(), 0)
