@@ -183,7 +183,7 @@ solver: {newton: {relative: 1e-12}}
 
     def test_ranks_and_restart(self):
         for text in swept((SHAKEN, JOINED), (JOINED,)):
-            time = "method: dirk22, step: 5 ms, end: 0.1"
+            time = "method: dirk22, step: 5 ms, end: 0.05"
             one = self.solve(text + "solver: {newton: {relative: 1e-12}}\n", time)
             self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-7 * np.abs(one["kinetic_energy"]).max())
             quadratic = self.solve(text + "element: P2\nsolver: {newton: {relative: 1e-12}}\n", time, 2)
@@ -191,9 +191,9 @@ solver: {newton: {relative: 1e-12}}
             for ranks in swept((2, 3), (3,)):
                 self.assert_same_history(one, self.solve(text + "solver: {newton: {relative: 1e-12}}\n", time, ranks), 1e-7)
             self.write("part.yaml", text + "solver: {newton: {relative: 1e-12}}\ncheckpoint: {}\n"
-                       "time: {method: dirk22, step: 5 ms, end: 0.05}\n")
+                       "time: {method: dirk22, step: 5 ms, end: 0.025}\n")
             self.run_input("part.yaml", output="part")
-            self.pliant("resume", "part", "--quiet", "--set", "time.end=0.1")
+            self.pliant("resume", "part", "--quiet", "--set", "time.end=0.05")
             resumed = read_history(self.directory / "part")
             for name in ("kinetic_energy", "elastic_energy", "Lx", "Ly", "pz"):
                 np.testing.assert_allclose(resumed[name][-1], one[name][-1], rtol=1e-6, atol=1e-9, err_msg=name)
