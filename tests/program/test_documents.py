@@ -122,7 +122,7 @@ def is_run_as_typed(fit):
 
 def small_settings():
     """What makes each shipped input small; of studies two steps."""
-    settings = {"beam.yaml": [], "input.yaml": [], **SMALL, "gripper_finger.yaml": ["mesh.size=0.02", "time.end=0.02"],
+    settings = {"beam.yaml": [], "input.yaml": [], **SMALL,
                 "dropped_club.yaml": ["mesh.size=0.02", "time.end=0.02"],
                 "cantilever.yaml": ["mesh.size=0.2", "element=P1", "time.end=0.03"],
                 "gripper.yaml": ["time.step=20 ms", "time.end=0.04", "time.events=[]"],

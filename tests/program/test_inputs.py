@@ -7,7 +7,7 @@ from program import ROOT, ProgramTest, long_test
 # File in input/ -> what makes it small.
 SMALL = {
     "beam_small.yaml": ["time.end=0.03"],
-    "bellows.yaml": ["element=P1", "mesh.size=5 mm", "time.step=0.1", "time.end=0.5"],
+    "bellows.yaml": ["element=P1", "mesh.size=5 mm", "time.step=0.1", "time.end=0.2"],
     "bracket.yaml": ["mesh.size=0.006", "element=P1", "time.load_steps=2"],
     "buckled_plate.yaml": ["mesh.size=0.2", "time.path.max_load=1.2"],
     "cantilever.yaml": ["mesh.size=0.2", "time.end=0.05"],
@@ -17,11 +17,11 @@ SMALL = {
     "falling_blocks.yaml": ["mesh.size=0.012", "time.end=0.1", "time.step=0.004"],
     "four_clubs.yaml": ["mesh.size=0.02", "time.end=0.02"],
     "gripper.yaml": ["time.step=20 ms", "time.end=0.52", "time.events=[]", "contact.friction_update=frozen"],
-    "gripper_finger.yaml": ["time.end=0.02"],
+    "gripper_finger.yaml": ["mesh.size=0.02", "time.end=0.02"],
     "hung_rope.yaml": ["mesh.size=0.02", "time.end=0.03"],
     "layered_finger.yaml": ["mesh.size=12 mm", "element=P1", "time.end=0.06", "time.events=[]"],
     "muscle.yaml": ["mesh.size=0.2", "time.end=0.1"],
-    "pile.yaml": ["mesh.size=8 mm", "time.end=0.06", "time.step=0.004"],
+    "pile.yaml": ["mesh.size=8 mm", "time.end=0.04", "time.step=0.004"],
     "released_beam.yaml": ["mesh.size=0.2", "time.end=0.1"],
     "roof.yaml": [],
     "soft_flail.yaml": ["time.end=0.06"],
