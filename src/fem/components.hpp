@@ -16,7 +16,8 @@ struct Components {
   std::vector<unsigned char>
       outer_sides;             ///< if there are several: per owned cell, bit i marks the side opposite to corner i
   std::vector<char> is_outer;  ///< if there are several: per local node, whether it is on one of these sides
-  std::vector<char> is_left_out;  ///< per local cell: one that is not of the mesh and overlaps with nothing; empty: none
+  std::vector<char>
+      is_left_out;  ///< per local cell: one that is not of the mesh and overlaps with nothing; empty: none
   std::vector<int>
       of_node;  ///< component 0 .. count - 1 of each local node, ghosts included; the same numbers on every rank
 };

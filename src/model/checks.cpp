@@ -57,7 +57,7 @@ std::optional<Diagnostic> check_support(const Config& config, const NodeLayout& 
                                         std::span<const PetscInt> held, Selections& selections) {
   // Joints, tendons and rigid bodies may hold a part, too.
   const bool is_plain = config.joints.empty() && config.tendons.empty() && config.rigid_bodies.empty();
-  if (!is_plain || !may_fall(config)) return std::nullopt;
+  if (!is_plain) return std::nullopt;
   std::vector<double> is_held(static_cast<std::size_t>(components.count), 0.0);
   const auto component = [&](PetscInt n) { return static_cast<std::size_t>(components.of_node[n]); };
   for (const PetscInt n : held) is_held[component(n)] = 1.0;
@@ -65,12 +65,14 @@ std::optional<Diagnostic> check_support(const Config& config, const NodeLayout& 
   const auto num_free = std::ranges::count(is_held, 0.0);
   if (num_free == 0) return std::nullopt;
   if (analysis_of(config) == Analysis::dynamic) {
+    if (!may_fall(config)) return std::nullopt;
     return note(fmt::format(
         "nothing holds {}: the loads move {} away; add constraints, springs or contact to hold a body",
         components.count == 1 ? "the body" : fmt::format("{} of the mesh's {} parts", num_free, components.count),
         num_free == 1 ? "it" : "them"));
   }
   for (const LoadConfig& load : config.loads) {
+    if (!may_fall(config)) break;
     const VectorExpression* vector = vector_of(load);
     const auto is_nothing = [](const Expression& part) { return part.is_zero(); };
     if (vector == nullptr || std::ranges::all_of(*vector, is_nothing)) continue;
@@ -90,7 +92,18 @@ std::optional<Diagnostic> check_support(const Config& config, const NodeLayout& 
                                   x, y, z));
     selections.throw_if_errors();
   }
-  return std::nullopt;
+  const auto is_foundation = [](const LoadConfig& load) { return foundation_of(load).has_value(); };
+  if (num_free == components.count || !config.springs.empty() || !config.rods.empty() ||
+      std::ranges::any_of(config.loads, is_foundation)) {
+    return std::nullopt;  // or something else may hold it
+  }
+  return Diagnostic{
+      Severity::warning, config.time.method.where,
+      fmt::format(
+          "nothing holds {} of the mesh's {} parts{}: without inertia {} no place of {} own, and the stiffness is "
+          "singular; a constraint, or a weak `spring` on a surface, holds a part",
+          num_free, components.count, config.contact ? " until they touch" : "", num_free == 1 ? "it has" : "they have",
+          num_free == 1 ? "its" : "their")};
 }
 
 void require_undeformed(const Config& config, Vec q) {

@@ -274,18 +274,18 @@ std::vector<Constraints::Hold> Constraints::held() const {
 
 std::vector<Reaction> Constraints::reactions(Vec r, Vec q) const {
   std::vector<Vector3<double>> centres(supports_.size());
+  std::vector<Placement> placements(supports_.size());
   for (std::size_t s = 0; s < supports_.size(); ++s) {
     if (!supports_[s].rigid_part) continue;
     const Part& part = parts_[*supports_[s].rigid_part];
     const Vector3<double>& centre = part.displacement.rigid->centre;
-    centres[s] = centre + nearest_placement(layout_, part.nodes, centre, q).translation;
+    placements[s] = nearest_placement(layout_, part.nodes, centre, q);
+    centres[s] = centre + placements[s].translation;
   }
   std::vector<double> sums(6 * supports_.size(), 0.0);
   {
-    const Handle<Vec> carried = with_ties(r);
-    const ConstArrayView own(r), with_slaves(carried.get()), u(q);
+    const ConstArrayView reaction(r), u(q);
     for (std::size_t s = 0; s < supports_.size(); ++s) {
-      const auto& reaction = supports_[s].rigid_part ? with_slaves : own;
       for (const PetscInt dof : supports_[s].dofs) {
         const int i = dof % 3, j = (i + 1) % 3, k = (i + 2) % 3;
         const PetscInt node = dof / 3;
@@ -297,7 +297,19 @@ std::vector<Reaction> Constraints::reactions(Vec r, Vec q) const {
       }
     }
   }
-  if (map_) add_multipliers(r, sums);
+  if (map_) {
+    add_multipliers(r, sums);
+    map_->for_each_given(r, [&](const GivenTerm& term, double force) {
+      const std::size_t s = support_of_part_[term.source];
+      if (s == no_support || supports_[s].rigid_part != term.source) return;
+      const Vector3<double> at_start = term.X - parts_[term.source].displacement.rigid->centre;
+      const Vector3<double> arm = at_start + placements[s].displacement(at_start) - placements[s].translation;
+      const auto i = static_cast<std::size_t>(term.component), j = (i + 1) % 3, k = (i + 2) % 3;
+      sums[6 * s + i] += force;
+      sums[6 * s + 3 + j] += arm[k] * force;
+      sums[6 * s + 3 + k] -= arm[j] * force;
+    });
+  }
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
   std::vector<Reaction> result(supports_.size());
   for (std::size_t s = 0; s < supports_.size(); ++s) {
@@ -306,13 +318,6 @@ std::vector<Reaction> Constraints::reactions(Vec r, Vec q) const {
   }
   add_joints(r, q, centres, result);
   return result;
-}
-
-Handle<Vec> Constraints::with_ties(Vec r) const {
-  Handle<Vec> carried;
-  check(VecDuplicate(r, carried.out()));
-  map_ ? map_->carry_forces(r, carried.get()) : check(VecCopy(r, carried.get()));
-  return carried;
 }
 
 // A joint exerts on its first body the opposite of what it exerts on the second, at the same place.
@@ -344,8 +349,6 @@ void Constraints::add_joints(Vec r, Vec q, std::span<const Vector3<double>> cent
 
 std::vector<JointReaction> Constraints::joint_reactions(Vec r, Vec q) const {
   std::vector<JointReaction> result(joints_.size());
-  if (joints_.empty()) return result;
-  const Handle<Vec> carried = with_ties(r);
   std::vector<const Mechanism*> done;
   for (const ModelJoint& first : joints_) {
     if (std::ranges::find(done, first.mechanism) != done.end()) continue;
@@ -357,7 +360,7 @@ std::vector<JointReaction> Constraints::joint_reactions(Vec r, Vec q) const {
       points.push_back(joints_[j].second_point);
       numbers.push_back(j);
     }
-    const auto reactions = first.mechanism->reactions(carried.get(), q, points);
+    const auto reactions = first.mechanism->reactions(r, q, points);
     for (std::size_t k = 0; k < numbers.size(); ++k) result[numbers[k]] = reactions[k];
   }
   return result;

@@ -68,8 +68,6 @@ class Constraints {
   Part plane(const ConstraintConfig& constraint, Selections& selections);
   Part rigid(const ConstraintConfig& constraint, Selections& selections);
   void add_supports(const Config& config);
-  /// The gradient `r` with the forces of slaves on their masters; of `r` itself where there are no ties. Collective.
-  Handle<Vec> with_ties(Vec r) const;
   /// Adds what joints exert on the rigid parts of supports. `centres`: of their torques [m]. Collective.
   void add_joints(Vec r, Vec q, std::span<const Vector3<double>> centres, std::vector<Reaction>& reactions) const;
   void add_multipliers(Vec r, std::vector<double>& sums) const;

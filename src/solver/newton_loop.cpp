@@ -75,6 +75,8 @@ StageReport NewtonLoop::run(Vec q) {
     reason = SNES_CONVERGED_FNORM_ABS;
     convergence_.count_rounding(log_.iterations().back().residual, q);
   }
+  // What is not a number in a factor stays there.
+  if (reason == SNES_DIVERGED_LINEAR_SOLVE || reason == SNES_DIVERGED_JACOBIAN_DOMAIN) system_.factor().renew();
   if (objective_.aim() == Aim::any_equilibrium) system_.use_usual_krylov_method();
   return report_of(reason);
 }

@@ -5,7 +5,7 @@ import unittest
 
 import numpy as np
 
-from program import LONG, ALL_OR_SOME, ROOT, ProgramTest, read_history, swept, write_box
+from program import LONG, ALL_OR_SOME, ROOT, ProgramTest, box, read_history, swept, write_box, write_mesh
 
 CHAIN = """rigid_bodies:
   - {name: one, mass: 1, inertia: [0.01, 0.02, 0.03], center: [0.5, 0, 0]}
@@ -94,6 +94,41 @@ class Mechanisms(ProgramTest):
                                            np.linalg.norm([0.4, 0.2, 0.3]), delta=1e-13)
                 scale = h["kinetic_energy"].max()
                 self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-12 * scale)
+
+    def test_what_holds_a_body_carries_what_hangs_from_it(self):
+        # A carrier of 1 kg that is held at its center, a bob of 3 kg on a hinge, whose axis is to the side; and a tied finger.
+        text = '''rigid_bodies:
+  - {name: carrier, mass: 1, inertia: [0.1, 0.1, 0.1], center: [0, 0, 0]}
+  - {name: bob, mass: 3, inertia: [0.1, 0.1, 0.1], center: [0.2, 0, -1]}
+joints: [{name: pin, type: hinge, between: BODIES, point: [0.2, 0, -0.5], axis: [0, 1, 0]}]
+constraints: [{name: held, volume: carrier, rigid: {translation: [0, 0, 0], rotation: ROTATION}}]
+loads: [{gravity: [0, 0, -9.81]}]
+'''
+        for bodies in ("[carrier, bob]", "[bob, carrier]"):
+            with self.subTest(bodies=bodies):
+                h = self.solve(text.replace("BODIES", bodies).replace("ROTATION", "{axis: [1, 0, 0], angle: free}"), "method: backward-euler, step: 10 ms, end: 20 ms")
+                self.assertAlmostEqual(h["held_fz"][-1], 4 * 9.81, delta=1e-8)
+                self.assertAlmostEqual(h["held_ty"][-1], -0.2 * 3 * 9.81, delta=1e-8)
+        points, sides, cells = box((1, 1, 2), (0.1, 0.1, 0.1))
+        upper = box((2, 2, 2), (0.1, 0.1, 0.2), (0, 0, 0.1))
+        write_mesh(self.directory / "tied.msh", np.vstack([points, upper[0]]),
+                   [sides[0], upper[1][0] + len(points), *sides[2:4], upper[1][4] + len(points), sides[5]],
+                   np.vstack([cells, upper[2] + len(points)]), (["palm", "finger"], np.repeat([0, 1], [len(cells), len(upper[2])])))
+        text = '''mesh: {file: tied.msh}
+bodies:
+  - {volume: palm, density: 1000, rigid: true}
+  - {volume: finger, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.3}}
+constraints:
+  - {name: held, volume: palm, rigid: {translation: [0, 0, 0], rotation: fixed}}
+  - {name: tie, surface: bottom, tied_to: top}
+loads: [{gravity: [3, 0, -9.81]}]
+'''
+        for ranks in (1, 2):
+            h = self.solve(text, "method: static, load_steps: 2", ranks)
+            self.assertAlmostEqual(h["tie_fz"][-1], 2 * 9.81, delta=1e-6)
+            self.assertAlmostEqual(h["held_fz"][-1], 3 * 9.81, delta=1e-6)
+            self.assertAlmostEqual(h["held_fx"][-1], -3 * 3, delta=1e-6)
+            self.assertAlmostEqual(h["held_ty"][-1], -2 * 3 * 0.15, delta=0.03)  # the finger bends a little
 
     def test_motions_are_exact(self):
         for kind, formula in DRIVEN.items():

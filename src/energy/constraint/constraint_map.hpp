@@ -101,10 +101,13 @@ class ConstraintMap {
   /// DependentNodes). With `Correction::of_slaves` T is linear. Refers to this object. Not collective.
   PrescribedMotion motion(PrescribedMotion before, Correction correction = Correction::nearest) const;
 
-  /// LinearTies::carry_forces.
-  void carry_forces(Vec r, Vec carried) const { ties_.carry_forces(r, carried); }
   /// LinearTies::multipliers. Not collective.
   std::vector<std::array<double, 3>> multipliers(Vec reaction) const { return ties_.multipliers(reaction); }
+  /// LinearTies::for_each_given. Not collective.
+  template <class Visit>
+  void for_each_given(Vec reaction, const Visit& visit) const {
+    ties_.for_each_given(reaction, visit);
+  }
 
  private:
   using PutColumns = void (DependentNodes::*)(std::span<const double>, PetscInt, std::span<Vector3<double>>) const;

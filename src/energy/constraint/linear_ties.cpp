@@ -194,21 +194,11 @@ void LinearTies::weigh_slaves(Vec q, Vec x) const {
   }
 }
 
-void LinearTies::carry_forces(Vec r, Vec carried) const {
-  check(VecCopy(r, carried));
-  if (is_empty_) return;
-  check(MatMultTranspose(C_.get(), r, work_.get()));
-  check(VecAXPY(carried, 1.0, work_.get()));
-}
-
 std::vector<std::array<double, 3>> LinearTies::multipliers(Vec reaction) const {
   std::vector<std::array<double, 3>> result(given_.size(), std::array<double, 3>{});
-  const ConstArrayView r(reaction);
-  for (const auto& slave : slaves_) {
-    for (const GivenTerm& g : slave.given) {
-      result[g.source][static_cast<std::size_t>(g.component)] += g.weight * r[slave.local_entry];
-    }
-  }
+  for_each_given(reaction, [&](const GivenTerm& term, double force) {
+    result[term.source][static_cast<std::size_t>(term.component)] += force;
+  });
   return result;
 }
 

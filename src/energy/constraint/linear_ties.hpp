@@ -3,6 +3,7 @@
 
 #include "energy/constraint/linear_constraint.hpp"
 #include "fem/layout.hpp"
+#include "petsc/array_view.hpp"
 #include "time/stage.hpp"
 
 #include <array>
@@ -48,12 +49,18 @@ class LinearTies {
   /// entries.
   void weigh_slaves(Vec q, Vec x) const;
 
-  /// carried = r, forces, and in the entries of masters also what their slaves exert on them.
-  void carry_forces(Vec r, Vec carried) const;
-
   /// Reactions of the given displacements, by source and component: the work of the ties per unit of given displacement
   /// [N]. `reaction`: the gradient of the potential. This rank's part. Not collective.
   std::vector<std::array<double, 3>> multipliers(Vec reaction) const;
+  /// visit(term, f): f, a force [N] in the direction of a given displacement at its place, for each owned slave that
+  /// refers to one. Not collective.
+  template <class Visit>
+  void for_each_given(Vec reaction, const Visit& visit) const {
+    const ConstArrayView r(reaction);
+    for (const auto& slave : slaves_) {
+      for (const GivenTerm& term : slave.given) visit(term, term.weight * r[slave.local_entry]);
+    }
+  }
 
  private:
   using Offsets = std::function<double(std::size_t slave)>;
