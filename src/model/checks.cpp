@@ -55,8 +55,10 @@ void require_factorization(const Config& config, bool is_plain) {
 
 std::optional<Diagnostic> check_support(const Config& config, const NodeLayout& layout, const Components& components,
                                         std::span<const PetscInt> held, Selections& selections) {
-  // Joints, tendons and rigid bodies may hold a part, too.
-  const bool is_plain = config.joints.empty() && config.tendons.empty() && config.rigid_bodies.empty();
+  // Joints, tendons, rigid bodies and clamped rods may hold a part, too.
+  const auto is_clamped = [](const RodConfig& rod) { return rod.holder(0) == "ground" || rod.holder(1) == "ground"; };
+  const bool is_plain = config.joints.empty() && config.tendons.empty() && config.rigid_bodies.empty() &&
+                        std::ranges::none_of(config.rods, is_clamped);
   if (!is_plain) return std::nullopt;
   std::vector<double> is_held(static_cast<std::size_t>(components.count), 0.0);
   const auto component = [&](PetscInt n) { return static_cast<std::size_t>(components.of_node[n]); };

@@ -284,9 +284,11 @@ void Model::find_components(const Config& config, Selections& selections) {
     if (periodic != nullptr) add(periodic->partner);
     const auto* tied = std::get_if<ConstraintConfig::Tied>(&c.kind);
     if (tied != nullptr) add(tied->partner);
-    held.insert(held.end(), nodes.begin(), nodes.end());
-    const bool is_rigid = std::holds_alternative<ConstraintConfig::Rigid>(c.kind);
-    if (equation != nullptr || periodic != nullptr || tied != nullptr || is_rigid) {
+    // Ties relate parts to one another alone, and a rigid part without a given motion is free.
+    const auto* rigid = std::get_if<ConstraintConfig::Rigid>(&c.kind);
+    const bool is_free = rigid != nullptr && rigid->is_implied;
+    if (periodic == nullptr && tied == nullptr && !is_free) held.insert(held.end(), nodes.begin(), nodes.end());
+    if (equation != nullptr || periodic != nullptr || tied != nullptr || rigid != nullptr) {
       links.push_back(std::move(nodes));
     }
   }

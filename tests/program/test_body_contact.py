@@ -237,6 +237,15 @@ Mesh.MeshSizeMax = 0.7;
                 self.assertGreater(h["dissipated_friction"][-1], 0)
                 self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-7 * h["dissipated_friction"][-1])
 
+    def test_what_nothing_holds_at_rest_is_named(self):
+        (self.directory / "blocks.geo").write_text(GEOMETRY % "1.2")
+        free = two_blocks("law: barrier, pairs: all", "method: quasistatic, step: 0.1, end: 1").replace(f"loads: [{{gravity: [0, 0, -{G}]}}]\n", "")
+        for text in (free, free.replace("{volume: block, density: 1000, elast", "{volume: block, density: 1000, rigid: true} #")):
+            warnings = self.pliant("check", self.write("in.yaml", text)).stderr
+            self.assertIn("nothing holds 1 of the mesh's 2 parts until they touch: without inertia it has no place", warnings)
+        held = free.replace("constraints: [", "constraints: [{volume: block, displacement: [0, 0, 0]}, ")
+        self.assertNotIn("nothing holds", self.pliant("check", self.write("in.yaml", held)).stderr)
+
     def test_friction_settles_although_points_change_sides(self):
         # Points of the block lie over edges of the plate, where the nearest facet and its normal jump.
         plate, block = box((3, 3, 1), (1, 1, 0.3)), box((2, 2, 1), (0.4, 0.4, 0.299), (0.3, 0.3, 0.301))
