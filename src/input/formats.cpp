@@ -222,6 +222,10 @@ Format<Located<std::string>> name_of_part() {
   return located_text("name of a physical surface or volume");
 }
 
+Format<Located<std::string>> name_of_probe() {
+  return located_text("name of a probe");
+}
+
 Format<Located<std::string>> path_of_file() {
   return located_text("path of a file");
 }

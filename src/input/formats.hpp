@@ -34,6 +34,7 @@ Format<int> integer(const Range& range);
 Format<std::string> text();
 /// The name of a surface or volume of the mesh, and where it is given.
 Format<Located<std::string>> name_of_part();
+Format<Located<std::string>> name_of_probe();
 Format<Located<std::string>> path_of_file();
 /// true or false
 Format<bool> truth();

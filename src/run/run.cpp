@@ -292,7 +292,7 @@ class Run {
     const bool moves = simulation_->analysis() == Analysis::dynamic;
     return fmt::format(
         "energy [J]: {}elastic {:.6g}, load potential {:.6g}; since the start: work of loads {:.6g}, of prescribed "
-        "motion {:.6g}, dissipated by the material {:.6g}, {} {:.6g}; balance {:+.3g}",
+        "motion {:.6g}, dissipated {:.6g}, {} {:.6g}; balance {:+.3g}",
         moves ? fmt::format("kinetic {:.6g}, ", e.kinetic) : "", e.elastic, e.load_potential,
         e.load_work - e.support_work, e.support_work, e.dissipated, moves ? "by the method" : "lost between equilibria",
         e.numerical_dissipation, e.balance_error);
@@ -363,13 +363,20 @@ class Run {
   /// Reports a stage that takes long, and again each time its duration has doubled.
   void report_long_stage(const StageProgress& stage) {
     if (stage.iteration == 0 && stage.seconds < long_stage) reported_at_ = 0.0;
+    // Newton's method may begin again within a stage, as where friction settles.
+    if (stage.seconds < last_progress_.seconds) {
+      earlier_iterations_ = 0;
+    } else if (stage.iteration < last_progress_.iteration) {
+      earlier_iterations_ += last_progress_.iteration;
+    }
+    last_progress_ = stage;
     if (stage.seconds < std::max(long_stage, 2.0 * reported_at_)) return;
     reported_at_ = stage.seconds;
     console_.print(
         fmt::format("note: the step after {} = {:.6g}{} takes long: {:.0f} s so far, {} Newton iterations, residual "
                     "{:.1e} N (tolerance {:.1e} N), {} linear iterations in the last one",
-                    variable(), progress(), is_static() ? "" : " s", stage.seconds, stage.iteration, stage.residual,
-                    stage.target, stage.linear_iterations));
+                    variable(), progress(), is_static() ? "" : " s", stage.seconds, earlier_iterations_ + stage.iteration,
+                    stage.residual, stage.target, stage.linear_iterations));
   }
 
   /// Once, when so many stages have been solved, or have failed.
@@ -417,6 +424,8 @@ class Run {
   std::optional<EnergyWatch> energy_watch_;
   WorstStep worst_;
   double reported_at_ = 0.0;  // duration of the stage at its last report [s]
+  StageProgress last_progress_;    // of the stage that is being solved
+  int earlier_iterations_ = 0;     // of its solves before the present one
 };
 
 }  // namespace

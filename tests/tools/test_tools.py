@@ -256,7 +256,7 @@ class Pictures(WithResult):
         r, g, b = np.moveaxis(picture("--no-axes", "--field=displacement_x", "--frame=1", "--mirror=x", "--colour-map=diverging")[60:400, :480], 2, 0)
         for is_one in (r > b + 60, b > r + 60):
             self.assertGreater(is_one.sum(), 500, "red on one side, blue on the other")
-        for arguments, words in ((("--cut", "w"), "invalid plane"), (("--mirror", "1,1,0"), "invalid plane"), (("--cut", "x=2", "--view=left"), "nothing of a body is left"),
+        for arguments, words in ((("--cut", "w"), "invalid plane"), (("--cut", "x=3in"), "invalid plane"), (("--mirror", "1,1,0"), "invalid plane"), (("--cut", "x=2", "--view=left"), "nothing of a body is left"),
                                  (("--colour-map", "jet"), "invalid choice"), (("--cut", "y", "-o", "a.glb"), "has no effect on a .glb")):
             self.fails(words, self.directory, *arguments)
 
@@ -427,7 +427,7 @@ class SurfaceOfBlock(WithResult):
             directory = self.path(f"order{order}")
             synthetic.write_result(directory, num_frames=1, order=order, cubes=(6, 2, 2))
             mesh = Result(directory)[0].mesh
-            for text, volume in (("x=0.3", 0.3), ("-1,0,0=-0.3", 0.7), ("z", 0.5), ("1,0,1=0.25", 0.25 * np.sqrt(2)), ("x=-1", 0), ("x=2", 1)):
+            for text, volume in (("x=0.3", 0.3), ("-1,0,0=-0.3", 0.7), ("z", 0.5), ("1,0,1=0.25", 0.25 * np.sqrt(2)), ("x=-1", 0), ("x=2", 1), ("x=300mm", 0.3), ("x = 30 cm", 0.3)):
                 cut = plane(text)
                 cut = Plane(cut.normal, 0.0 if cut.offset is None else cut.offset)
                 cells = np.arange(len(mesh.cells))

@@ -49,7 +49,7 @@ Section<FieldColumnConfig> field_column_keys() {
                                {"norm", Take::norm}}),
               "the largest or smallest value, the mean or the integral over the reference volume or area, or the root "
               "of the integral of the square (L2 norm)"),
-          field("at", &C::at, name_of_part(), "instead: the value at this probe"),
+          field("at", &C::at, name_of_probe(), "instead: the value at this probe"),
       },
       {{{"take", "at"}, KeyGroup::Need::exactly_one}, {{"in", "at"}, KeyGroup::Need::at_most_one}},
       &C::where};

@@ -8,6 +8,7 @@ import re
 
 import numpy as np
 
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
 AXES = {"x": (1.0, 0, 0), "y": (0, 1.0, 0), "z": (0, 0, 1.0)}
 # Sides that a plane crosses, in their order around the polygon, by the number of corners below it, which come first.
 CROSSED = {1: np.array([[0, 1], [0, 2], [0, 3]]), 2: np.array([[0, 2], [0, 3], [1, 3], [1, 2]]), 3: np.array([[0, 3], [1, 3], [2, 3]])}
@@ -31,13 +32,21 @@ class Plane:
         return points - 2 * self.heights(points)[..., None] * self.normal
 
 
+def _length(text):
+    """A number [m], or with a unit of length."""
+    number, unit = re.fullmatch(r"(.*?)\s*([a-zµ]*m)?", text).groups()
+    if unit is not None and unit not in LENGTHS:
+        raise ValueError
+    return float(number) * LENGTHS[unit or "m"]
+
+
 def plane(text):
-    """`y`, `y=0.01`, `1,0,1=0.02`; ValueError if it is none of these."""
+    """`y`, `y=0.01`, `y=10mm`, `1,0,1=0.02`; ValueError if it is none of these."""
     match = re.fullmatch(r"\s*([xyz]|[^=]+,[^=]+,[^=]+?)\s*(?:=\s*(.+?)\s*)?", text)
     if match is None:
         raise ValueError
     normal = np.array(AXES.get(match[1]) or [float(part) for part in match[1].split(",")], dtype=float)
-    offset = None if match[2] is None else float(match[2])
+    offset = None if match[2] is None else _length(match[2])
     length = np.linalg.norm(normal)
     if not (normal.shape == (3,) and 0 < length < np.inf and (offset is None or np.isfinite(offset))):
         raise ValueError

@@ -138,7 +138,7 @@ def _mirror(text):
 
 # argparse puts these names into its message: "invalid WIDTHxHEIGHT value: '3'".
 _view.__name__, _size.__name__, _frame.__name__ = "view", "WIDTHxHEIGHT", "frame"
-_plane.__name__, _mirror.__name__ = "plane (x, y=0.01 or 1,0,1=0.02)", "plane (x or y=0.01)"
+_plane.__name__, _mirror.__name__ = "plane (x, y=0.01, y=10mm or 1,0,1=0.02)", "plane (x, y=0.01 or y=10mm)"
 _range.__name__, _positive.__name__, _finite.__name__ = "LOW,HIGH", "positive", "number"
 
 
@@ -176,7 +176,7 @@ def parser_of(program):
     parser.add_argument("--mesh-edges", action="store_true", help="draw the edges of the elements")
     parser.add_argument("--outline", action="store_true", help="draw the edges of the undeformed shape")
     parser.add_argument("--cut", type=_plane, metavar="PLANE", help="take away what the undeformed bodies have on the viewer's side of a plane: y "
-                        "(through their middle), y=0.01, or NORMAL=OFFSET such as 1,0,1=0.02 [m]")
+                        "(through their middle), y=0.01, y=10mm, or NORMAL=OFFSET such as 1,0,1=0.02 [m]")
     parser.add_argument("--mirror", type=_mirror, action="append", default=[], metavar="PLANE",
                         help="draw the bodies of half a model and their image at x=0 (x), or at a plane such as y=0.01; may be repeated")
     parser.add_argument("--no-axes", action="store_true", help="leave out the axes and the scale bar")
