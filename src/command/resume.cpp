@@ -85,6 +85,15 @@ Config changed(Config earlier, const Config& now) {
   return earlier;
 }
 
+void warn_of_stops(const Config& earlier, const Config& now, Console& console) {
+  for (const JointConfig& joint : now.joints) {
+    if (!joint.limits || joint.limit_stiffness || now.time.step == earlier.time.step) continue;
+    console.warn(fmt::format("the stiffness of the stops of joint '{}' follows from 'time.step', and changes with it; "
+                             "'limit_stiffness' fixes it",
+                             joint.name));
+  }
+}
+
 /// The first line in which the texts differ, for messages.
 std::string first_difference(const std::string& then, const std::string& now) {
   const auto at = static_cast<std::size_t>(std::ranges::mismatch(then, now).in1 - then.begin());
@@ -197,7 +206,9 @@ ExitCode continue_command(MPI_Comm comm, const std::string& file, const std::vec
     console.print(fmt::format("done already\nresults: {0}/result.xdmf, {0}/history.csv", directory.string()));
     return ExitCode::done;
   }
-  return from ? go_on(comm, config, console, *from) : run_with_output(comm, config, console);
+  if (!from) return run_with_output(comm, config, console);
+  warn_of_stops(earlier, config, console);
+  return go_on(comm, config, console, *from);
 }
 
 ExitCode resume_command(MPI_Comm comm, const std::string& place, const std::vector<Override>& overrides,
@@ -211,13 +222,7 @@ ExitCode resume_command(MPI_Comm comm, const std::string& place, const std::vect
   const Config config = read_input(from.info.input, from.file.string(), changes);
   const Config earlier = read_input(from.info.input, from.file.string(), {});
   changed(earlier, config);  // refuses what cannot change
-  for (const JointConfig& joint : config.joints) {
-    if (!joint.limits || joint.limit_stiffness || config.time.step == earlier.time.step) continue;
-    console.warn(
-        fmt::format("the stiffness of the stops of joint '{}' follows from 'time.step', and changes with it; "
-                    "'limit_stiffness' fixes it",
-                    joint.name));
-  }
+  warn_of_stops(earlier, config, console);
   return go_on(comm, config, console, from);
 }
 

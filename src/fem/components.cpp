@@ -141,7 +141,6 @@ std::vector<std::vector<int>> met_components(const std::vector<ComponentBox>& bo
   return met;
 }
 
-/// Nodes of all ranks in the box of a component that theirs meets, in ascending order of x. Collective.
 bool is_left_out(const Components& components, PetscInt cell) {
   return !components.is_left_out.empty() && components.is_left_out[static_cast<std::size_t>(cell)] != 0;
 }
@@ -155,6 +154,7 @@ std::vector<char> nodes_of_cells_left_out(const NodeLayout& layout, const Compon
   return result;
 }
 
+/// Nodes of all ranks in the box of a component that theirs meets, in ascending order of x. Collective.
 std::vector<Candidate> candidates(const NodeLayout& layout, const Components& components, std::span<const double> u,
                                   const std::vector<ComponentBox>& boxes, const std::vector<std::vector<int>>& met,
                                   std::size_t most) {

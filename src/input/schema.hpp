@@ -73,14 +73,17 @@ class SharedFunction<Result(Argument...)> {
   requires(!std::is_same_v<std::remove_cvref_t<F>, SharedFunction>) SharedFunction(F&& function)
       : function_(std::make_shared<const std::function<Result(Argument...)>>(std::forward<F>(function))) {}
 
-  Result operator()(Argument... arguments) const { return (*function_)(std::forward<Argument>(arguments)...); }
+  Result operator()(Argument... arguments) const {
+    if (!function_) throw std::bad_function_call();
+    return (*function_)(std::forward<Argument>(arguments)...);
+  }
 
  private:
   std::shared_ptr<const std::function<Result(Argument...)>> function_;
 };
 
-/// A key as users see it. Keys stand in keys, four deep: without what is shared, copies of copies would take longer
-/// than to read an input.
+/// A key as users see it. Keys contain keys, four levels deep: copies share their lists, because copying all levels took
+/// longer than reading an input.
 struct KeyInfo {
   enum class Need { optional, required };
   std::string key;

@@ -55,10 +55,8 @@ void require_factorization(const Config& config, bool is_plain) {
 
 std::optional<Diagnostic> check_support(const Config& config, const NodeLayout& layout, const Components& components,
                                         std::span<const PetscInt> held, Selections& selections) {
-  // Joints, tendons, rigid bodies and clamped rods may hold a part, too.
-  const auto is_clamped = [](const RodConfig& rod) { return rod.holder(0) == "ground" || rod.holder(1) == "ground"; };
-  const bool is_plain = config.joints.empty() && config.tendons.empty() && config.rigid_bodies.empty() &&
-                        std::ranges::none_of(config.rods, is_clamped);
+  // Joints, tendons and rigid bodies may hold a part, too.
+  const bool is_plain = config.joints.empty() && config.tendons.empty() && config.rigid_bodies.empty();
   if (!is_plain) return std::nullopt;
   std::vector<double> is_held(static_cast<std::size_t>(components.count), 0.0);
   const auto component = [&](PetscInt n) { return static_cast<std::size_t>(components.of_node[n]); };
@@ -73,8 +71,9 @@ std::optional<Diagnostic> check_support(const Config& config, const NodeLayout& 
         components.count == 1 ? "the body" : fmt::format("{} of the mesh's {} parts", num_free, components.count),
         num_free == 1 ? "it" : "them"));
   }
-  for (const LoadConfig& load : config.loads) {
-    if (!may_fall(config)) break;
+  const std::span<const LoadConfig> loads =
+      may_fall(config) ? std::span(config.loads) : std::span<const LoadConfig>();
+  for (const LoadConfig& load : loads) {
     const VectorExpression* vector = vector_of(load);
     const auto is_nothing = [](const Expression& part) { return part.is_zero(); };
     if (vector == nullptr || std::ranges::all_of(*vector, is_nothing)) continue;
@@ -99,13 +98,13 @@ std::optional<Diagnostic> check_support(const Config& config, const NodeLayout& 
       std::ranges::any_of(config.loads, is_foundation)) {
     return std::nullopt;  // or something else may hold it
   }
+  const bool is_one = num_free == 1;
   return Diagnostic{
-      Severity::warning, config.time.method.where,
-      fmt::format(
-          "nothing holds {} of the mesh's {} parts{}: without inertia {} no place of {} own, and the stiffness is "
-          "singular; a constraint, or a weak `spring` on a surface, holds a part",
-          num_free, components.count, config.contact ? " until they touch" : "", num_free == 1 ? "it has" : "they have",
-          num_free == 1 ? "its" : "their")};
+      config.contact ? Severity::note : Severity::warning, config.time.method.where,
+      fmt::format("nothing{} holds {} of the mesh's {} parts: without inertia {} can move as a rigid body{}, where the "
+                  "stiffness is singular; a constraint, or a weak `spring` on a surface, holds a part",
+                  config.contact ? " but contact" : "", num_free, components.count, is_one ? "it" : "they",
+                  config.contact ? (is_one ? " until it touches" : " until they touch") : "")};
 }
 
 void require_undeformed(const Config& config, Vec q) {

@@ -274,13 +274,19 @@ std::vector<Constraints::Hold> Constraints::held() const {
 
 std::vector<Reaction> Constraints::reactions(Vec r, Vec q) const {
   std::vector<Vector3<double>> centres(supports_.size());
-  std::vector<Placement> placements(supports_.size());
+  std::vector<Placement> placements(parts_.size());  // of rigid parts of supports
   for (std::size_t s = 0; s < supports_.size(); ++s) {
     if (!supports_[s].rigid_part) continue;
     const Part& part = parts_[*supports_[s].rigid_part];
     const Vector3<double>& centre = part.displacement.rigid->centre;
-    placements[s] = nearest_placement(layout_, part.nodes, centre, q);
-    centres[s] = centre + placements[s].translation;
+    centres[s] = centre + nearest_placement(layout_, part.nodes, centre, q).translation;
+  }
+  const auto is_rigid = [&](std::size_t c) {
+    return parts_[c].displacement.rigid.has_value() && support_of_part_[c] != no_support;
+  };
+  for (std::size_t c = 0; c < parts_.size(); ++c) {
+    if (!is_rigid(c) || !map_ || !map_->has_ties()) continue;
+    placements[c] = nearest_placement(layout_, parts_[c].nodes, parts_[c].displacement.rigid->centre, q);
   }
   std::vector<double> sums(6 * supports_.size(), 0.0);
   {
@@ -300,10 +306,10 @@ std::vector<Reaction> Constraints::reactions(Vec r, Vec q) const {
   if (map_) {
     add_multipliers(r, sums);
     map_->for_each_given(r, [&](const GivenTerm& term, double force) {
+      if (!is_rigid(term.source)) return;
       const std::size_t s = support_of_part_[term.source];
-      if (s == no_support || supports_[s].rigid_part != term.source) return;
       const Vector3<double> at_start = term.X - parts_[term.source].displacement.rigid->centre;
-      const Vector3<double> arm = at_start + placements[s].displacement(at_start) - placements[s].translation;
+      const Vector3<double> arm = term.X + placements[term.source].displacement(at_start) - centres[s];
       const auto i = static_cast<std::size_t>(term.component), j = (i + 1) % 3, k = (i + 2) % 3;
       sums[6 * s + i] += force;
       sums[6 * s + 3 + j] += arm[k] * force;

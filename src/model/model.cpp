@@ -284,9 +284,10 @@ void Model::find_components(const Config& config, Selections& selections) {
     if (periodic != nullptr) add(periodic->partner);
     const auto* tied = std::get_if<ConstraintConfig::Tied>(&c.kind);
     if (tied != nullptr) add(tied->partner);
-    // Ties relate parts to one another alone, and a rigid part without a given motion is free.
+    // Ties relate parts to one another alone, and a rigid part without a given translation is free.
     const auto* rigid = std::get_if<ConstraintConfig::Rigid>(&c.kind);
-    const bool is_free = rigid != nullptr && rigid->is_implied;
+    const auto is_given = [](const std::optional<Expression>& component) { return component.has_value(); };
+    const bool is_free = rigid != nullptr && std::ranges::none_of(rigid->translation, is_given);
     if (periodic == nullptr && tied == nullptr && !is_free) held.insert(held.end(), nodes.begin(), nodes.end());
     if (equation != nullptr || periodic != nullptr || tied != nullptr || rigid != nullptr) {
       links.push_back(std::move(nodes));

@@ -118,6 +118,7 @@ void Simulation::keep(Archive& archive) {
     archive.number("longest", steps_.longest);
   });
   if (!archive.restores()) return;
+  turns_.forget();
   check(VecCopy(advance_->state().q, q_.get()));
   check(VecCopy(advance_->state().v, v_.get()));
   record_.z = advance_->state().z;
@@ -198,7 +199,7 @@ StepOutcome Simulation::advance() {
   const bool is_on_path = advance_->path() != nullptr;
   if (auto jump = turns_.accept(is_on_path ? record_.load_factor : record_.time,
                                 is_on_path ? attempt.load_factor : step.time)) {
-    concession = std::move(*jump);
+    concession = concession.empty() ? std::move(*jump) : concession + "; " + *jump;
   }
   accept(attempt, step);
   if (const PathFinding* path = advance_->path()) {

@@ -15,6 +15,8 @@ namespace {
 constexpr double margin = 1e-6;
 /// Larger angles have no shortest way, or have the opposite one [rad].
 constexpr double half_turn = std::numbers::pi * (1.0 - 1e-3);
+/// Parts of a step within which a rotation that is followed cannot turn as far.
+constexpr int num_parts = 200;
 
 }  // namespace
 
@@ -41,9 +43,19 @@ std::optional<std::string> TurnWatch::too_far(double from, double to) const {
   const double within = margin * (to - from);
   for (const Rotation& rotation : rotations_) {
     const double angle = angle_at(rotation, to - within) - angle_at(rotation, from + within);
-    if (!(std::abs(angle) >= half_turn)) continue;
+    if (!(std::abs(angle) >= half_turn) || jump(rotation, from + within, to - within)) continue;
     return fmt::format("{} turns by {:.4g} rad, and a step can follow less than half a turn; take {}", rotation.name,
                        angle, static_time_ ? "more 'time.load_steps'" : "a shorter 'time.step'");
+  }
+  return std::nullopt;
+}
+
+std::optional<double> TurnWatch::jump(const Rotation& rotation, double from, double to) const {
+  double before = angle_at(rotation, from);
+  for (int i = 1; i <= num_parts; ++i) {
+    const double at = from + (to - from) * i / num_parts, now = angle_at(rotation, at);
+    if (std::abs(now - before) >= half_turn) return at;
+    before = now;
   }
   return std::nullopt;
 }
@@ -51,17 +63,26 @@ std::optional<std::string> TurnWatch::too_far(double from, double to) const {
 std::optional<std::string> TurnWatch::accept(double from, double to) {
   const double within = margin * (to - from);
   std::optional<std::string> found;
+  const auto note = [&](const Rotation& rotation, double angle, double at) {
+    if (std::abs(angle) < half_turn || found) return;
+    found = fmt::format(
+        "{} jumps by {:.4g} rad at {} = {:.6g}{}, and bodies follow it the shortest way: whole turns are lost; let it "
+        "turn in several steps",
+        rotation.name, angle, static_time_ ? "load factor" : "t", at, static_time_ ? "" : " s");
+  };
   for (Rotation& rotation : rotations_) {
-    const double angle = rotation.last ? angle_at(rotation, from + within) - *rotation.last : 0.0;
-    if (std::abs(angle) >= half_turn && !found) {
-      found = fmt::format(
-          "{} jumps by {:.4g} rad at t = {:.6g} s, and bodies follow it the shortest way: whole turns "
-          "are lost; let it turn in several steps",
-          rotation.name, angle, from);
+    const double start = angle_at(rotation, from + within), end = angle_at(rotation, to - within);
+    if (rotation.last) note(rotation, start - *rotation.last, from);
+    if (std::abs(end - start) >= half_turn) {
+      note(rotation, end - start, jump(rotation, from + within, to - within).value_or(to));
     }
-    rotation.last = angle_at(rotation, to - within);
+    rotation.last = end;
   }
   return found;
+}
+
+void TurnWatch::forget() {
+  for (Rotation& rotation : rotations_) rotation.last.reset();
 }
 
 }  // namespace pliant

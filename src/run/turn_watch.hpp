@@ -9,9 +9,9 @@
 
 namespace pliant {
 
-/// The prescribed rotations of rigid parts and the motions of hinges. Between two states a body turns the shortest way:
-/// what a step turns by half a turn or more, it would turn the other way or not at all, and what a rod is twisted by
-/// would be lost. So steps turn less.
+/// The prescribed rotations of rigid parts and the motions of hinges. From one state to the next a body rotates the
+/// shortest way: if a step prescribes half a turn or more, it rotates the other way, or not at all, and the twist of a
+/// rod is lost. Steps are therefore cut such that they prescribe less.
 class TurnWatch {
  public:
   /// Refers to the formulas of `config`.
@@ -19,10 +19,13 @@ class TurnWatch {
 
   /// Why a step is too long, in words that name the rotation; nothing if it is not. `from`, `to`: the step's ends,
   /// times [s] or, in a static problem, load factors.
+  /// A jump within the step, which no shorter step could follow, is not too long; `accept` names it.
   std::optional<std::string> too_far(double from, double to) const;
-  /// Takes the step as accepted. In words, which rotation has jumped at the step's start by half a turn or more since
-  /// the step before.
+  /// Takes the step as accepted. In words, which rotation has jumped by half a turn or more, at the step's start since
+  /// the step before, or within it.
   std::optional<std::string> accept(double from, double to);
+  /// The next step follows none.
+  void forget();
 
  private:
   struct Rotation {
@@ -31,6 +34,8 @@ class TurnWatch {
     std::optional<double> last;         // at the end of the last step [rad]
   };
   double angle_at(const Rotation& rotation, double at) const;
+  /// Where it jumps by half a turn or more between two times, as far as samples show.
+  std::optional<double> jump(const Rotation& rotation, double from, double to) const;
 
   std::optional<double> static_time_;  // at which formulas of a static problem are evaluated [s]
   std::vector<Rotation> rotations_;

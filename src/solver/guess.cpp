@@ -143,8 +143,8 @@ std::optional<std::string> GuessSearch::try_prescribed_motion(Vec accepted, Vec 
   const Applied applied = apply_prescribed_motion(accepted, second_.get(), q);
   has_second_ = applied == Applied::all;
   if (has_second_) measure = objective_.measure(q);
-  const bool is_safer = has_second_ && std::isfinite(measure) && overshoots(second_.get(), q);
-  if (!(measure < best) && !is_safer) {
+  const bool are_both_finite = has_second_ && std::isfinite(best) && std::isfinite(measure);
+  if (!(measure < best) && !(are_both_finite && overshoots(second_.get(), q))) {
     check(VecSwap(q, second_.get()));
     measure = best;
   }

@@ -192,7 +192,7 @@ class Table {
 
   /// Columns that say the same, such as stretch and strain, must do so.
   void compare(const std::vector<Cell>& cells, int line, const FoundColumn& column) {
-    constexpr double of_digits = 2e-3;  // of numbers with three digits
+    constexpr double of_digits = 6e-3;  // half a unit of three digits, and a little
     const auto value = parse_number(cells[column.place].text);
     for (const FoundColumn& other : column.others) {
       const Cell& cell = cells[other.place];

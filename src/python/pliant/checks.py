@@ -28,7 +28,8 @@ def input_file_of(given: Any, what: str) -> str:
 
 def number_of(given: Any, what: str) -> float:
     """A number that is finite."""
-    if isinstance(given, (numbers.Real, np.ndarray)) and np.ndim(given) == 0:
+    is_number = isinstance(given, numbers.Real) or (isinstance(given, np.ndarray) and given.dtype.kind in "iuf")
+    if is_number and not isinstance(given, (bool, np.bool_)) and np.ndim(given) == 0:
         number = float(given)  # type: ignore[arg-type]
         if math.isfinite(number):
             return number

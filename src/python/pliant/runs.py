@@ -116,7 +116,8 @@ _OF_LAUNCHERS = re.compile(r"(PMIX?|PRTE|HYDI?|MPIEXEC|MPI_LOCAL\w+|OMPI_COMM_WO
 
 def _environment() -> "dict[str, str]":
     """That of the program, which starts a job of its own even if mpirun has started this process."""
-    own = {name: value for name, value in os.environ.items() if not _OF_LAUNCHERS.match(name)}
+    is_launched = any(name in os.environ for name in ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"))
+    own = {name: value for name, value in os.environ.items() if not (is_launched and _OF_LAUNCHERS.match(name))}
     return {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **own}
 
 

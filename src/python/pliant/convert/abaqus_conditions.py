@@ -112,9 +112,7 @@ class AbaqusConditions:
             key = (row, component)
             groups.setdefault(self.displaced.get(key, self.prescribed.course.get(key)), []).append(row)
         if None in groups and self.steps.in_step and self.steps.start > 0:
-            rows = [row for some in groups.values() for row in some]
-            self.late.append((card, line, target, component, rows, self.steps.start))
-            return
+            self.late.append((card, line, target, component, groups.pop(None), self.steps.start))
         for before, rows in groups.items():
             course = self.steps.kept(before) if card.has("FIXED") and before is not None else self.steps.course_of(card, before, value)
             self.displaced.update({(row, component): before for row in rows})
@@ -228,9 +226,10 @@ class AbaqusConditions:
 
     def in_elements(self, target, rows, references, what):
         """Those of the rows that belong to elements; the others are listed."""
-        inside = [row for row in rows if row in self.used]
-        lost = sum(row not in references for row in rows) - len(inside)
-        if lost:
+        others = [row for row in rows if row not in references]
+        inside = [row for row in others if row in self.used]
+        lost = len(others) - len(inside)
+        if lost > 0:
             whose = f"node {self.mesh.label_of(target)}, which belongs" if not isinstance(target, str) else f"{lost} of {len(rows)} nodes of {target}, which belong"
             self.diagnostics.missing(self.lines[target], f"{what} on {whose} to no element of the input, and to no rigid part or coupling that it has: left out")
         return inside

@@ -29,6 +29,12 @@ class NodeTable:
                 if rows:
                     yield target, component, course, rows
 
-    def take(self, row):
-        """The functions of time of a node by component, which are removed."""
-        return {c: self.course.pop((row, c)) for c in range(6) if (row, c) in self.course}
+    def of_node(self, row):
+        """The functions of time of a node by component."""
+        return {c: self.course[row, c] for c in range(6) if (row, c) in self.course}
+
+    def remove(self, rows):
+        """Forgets those of nodes."""
+        for row in rows:
+            for c in range(6):
+                self.course.pop((row, c), None)

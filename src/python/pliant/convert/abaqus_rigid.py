@@ -68,13 +68,23 @@ class AbaqusRigid:
     # ------------------------------------------------------------------ the input
     def finish(self, prescribed, forces, value):
         """Writes rigid parts into the model, with the conditions on their reference nodes, which leave the tables; returns these nodes."""
-        references = set()
+        references, loaded = set(), set()
         for part in self.parts:
             row, rotation_row = (self.row(node, part) for node in (part.node, part.rotation_node or part.node))
             motion, force = (self.six(table, row, rotation_row) for table in (prescribed, forces))
+            if row in references and not part.is_left_out:
+                free = any(course is None for course in motion)
+                if free:
+                    self.diagnostics.missing(part.card.line, f"{part.card.title} shares its reference node with another rigid part or coupling: both become "
+                                             "rigid parts of their own, which may move apart where the motion of the node is free")
+                if row in loaded:
+                    force = [None] * 6  # the first part has it
             references |= {row, rotation_row}
             if not part.is_left_out:
+                loaded.add(row)
                 self.add(part, row, motion, force, value)
+        for table in (prescribed, forces):
+            table.remove(references)
         return references - {None}
 
     def row(self, text, part):
@@ -87,9 +97,9 @@ class AbaqusRigid:
     @staticmethod
     def six(table, row, rotation_row):
         """Functions of time of the degrees of freedom 1 to 6; degrees 1 to 3 of a node of rotation are 4 to 6."""
-        found = table.take(row)
+        found = table.of_node(row)
         if rotation_row != row:
-            found.update({c + 3: course for c, course in table.take(rotation_row).items() if c < 3})
+            found.update({c + 3: course for c, course in table.of_node(rotation_row).items() if c < 3})
         return [found.get(c) for c in range(6)]
 
     def add(self, part, row, motion, force, value):
