@@ -88,9 +88,10 @@ Config changed(Config earlier, const Config& now) {
 void warn_of_stops(const Config& earlier, const Config& now, Console& console) {
   for (const JointConfig& joint : now.joints) {
     if (!joint.limits || joint.limit_stiffness || now.time.step == earlier.time.step) continue;
-    console.warn(fmt::format("the stiffness of the stops of joint '{}' follows from 'time.step', and changes with it; "
-                             "'limit_stiffness' fixes it",
-                             joint.name));
+    console.warn(
+        fmt::format("the stiffness of the stops of joint '{}' follows from 'time.step', and changes with it; "
+                    "'limit_stiffness' fixes it",
+                    joint.name));
   }
 }
 

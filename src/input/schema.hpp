@@ -82,8 +82,8 @@ class SharedFunction<Result(Argument...)> {
   std::shared_ptr<const std::function<Result(Argument...)>> function_;
 };
 
-/// A key as users see it. Keys contain keys, four levels deep: copies share their lists, because copying all levels took
-/// longer than reading an input.
+/// A key as users see it. Keys contain keys, four levels deep: copies share their lists, because copying all levels
+/// took longer than reading an input.
 struct KeyInfo {
   enum class Need { optional, required };
   std::string key;

@@ -71,8 +71,7 @@ std::optional<Diagnostic> check_support(const Config& config, const NodeLayout& 
         components.count == 1 ? "the body" : fmt::format("{} of the mesh's {} parts", num_free, components.count),
         num_free == 1 ? "it" : "them"));
   }
-  const std::span<const LoadConfig> loads =
-      may_fall(config) ? std::span(config.loads) : std::span<const LoadConfig>();
+  const std::span<const LoadConfig> loads = may_fall(config) ? std::span(config.loads) : std::span<const LoadConfig>();
   for (const LoadConfig& load : loads) {
     const VectorExpression* vector = vector_of(load);
     const auto is_nothing = [](const Expression& part) { return part.is_zero(); };

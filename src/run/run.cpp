@@ -375,8 +375,8 @@ class Run {
     console_.print(
         fmt::format("note: the step after {} = {:.6g}{} takes long: {:.0f} s so far, {} Newton iterations, residual "
                     "{:.1e} N (tolerance {:.1e} N), {} linear iterations in the last one",
-                    variable(), progress(), is_static() ? "" : " s", stage.seconds, earlier_iterations_ + stage.iteration,
-                    stage.residual, stage.target, stage.linear_iterations));
+                    variable(), progress(), is_static() ? "" : " s", stage.seconds,
+                    earlier_iterations_ + stage.iteration, stage.residual, stage.target, stage.linear_iterations));
   }
 
   /// Once, when so many stages have been solved, or have failed.
@@ -423,9 +423,9 @@ class Run {
   double largest_energy_ = 0.0;  // so far [J]
   std::optional<EnergyWatch> energy_watch_;
   WorstStep worst_;
-  double reported_at_ = 0.0;  // duration of the stage at its last report [s]
-  StageProgress last_progress_;    // of the stage that is being solved
-  int earlier_iterations_ = 0;     // of its solves before the present one
+  double reported_at_ = 0.0;     // duration of the stage at its last report [s]
+  StageProgress last_progress_;  // of the stage that is being solved
+  int earlier_iterations_ = 0;   // of its solves before the present one
 };
 
 }  // namespace

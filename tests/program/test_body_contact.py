@@ -244,7 +244,7 @@ Mesh.MeshSizeMax = 0.7;
             done = self.pliant("check", self.write("in.yaml", text))
             self.assertIn("nothing but contact holds 1 of the mesh's 2 parts: without inertia it can move as a rigid body until it touches", done.stdout + done.stderr)
         text = text.replace("contact: {law: barrier, pairs: all}\n", "").replace(", contact_pressure, contact_gap", "")
-        self.assertIn("warning: in.yaml:", self.pliant("check", self.write("in.yaml", text)).stderr.split("nothing holds 1 of the mesh's 2 parts")[0])
+        self.assertIn("warning: ", self.pliant("check", self.write("in.yaml", text)).stderr.split("nothing holds 1 of the mesh's 2 parts")[0].splitlines()[-1])
         held = free.replace("constraints: [", "constraints: [{volume: block, displacement: [0, 0, 0]}, ")
         done = self.pliant("check", self.write("in.yaml", held))
         self.assertNotIn(" holds 1 of", done.stdout + done.stderr)

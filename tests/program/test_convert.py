@@ -668,6 +668,24 @@ class References(ConvertTest):
             self.assertEqual(config.get("loads"), [{"force": ["2*t", 0, 0], "volume": "ref"}] if is_surface else None)
             self.assertEqual("the nodes of two move with a reference node in the model, and are not one surface or volume" in said, not is_surface)
 
+    def test_two_couplings_of_one_node(self):
+        """Both have its motion; where it is free they are parts of their own, which is said."""
+        both = "*NODE, NSET=ref\n500, 1.2, 3.5, 0.5\n" + "".join(
+            f"*COUPLING, CONSTRAINT NAME=c{k}, REF NODE=ref, SURFACE=end{k}\n*KINEMATIC\n" for k in (1, 2))
+        for conditions, is_free in (("*BOUNDARY\nref, 2, 6\nref, 1, 1, 0.2\n", False), ("*BOUNDARY\nref, 2, 6\n*CLOAD\nref, 1, 2.\n", True)):
+            config, said = self.convert("cubes.inp", abaqus_cubes(["*ELASTIC\n1e5, 0.3\n"] * 2, "*STATIC\n0.5, 1.\n" + conditions, both))
+            rigid = [c["rigid"]["translation"][0] for c in config["constraints"] if "rigid" in c]
+            self.assertEqual(len(rigid), 2)
+            self.assertEqual(set(rigid), {"free" if is_free else "0.2*t"})
+            self.assertEqual("shares its reference node" in said, is_free)
+            self.assertEqual(len(config.get("loads", [])), 1 if is_free else 0)
+
+    def test_a_reference_node_of_an_element(self):
+        rigid = "*RIGID BODY, REF NODE=10, TIE NSET=right1\n"
+        config, said = self.convert("cubes.inp", abaqus_cubes(["*ELASTIC\n1e5, 0.3\n"], "*STATIC\n0.5, 1.\n*CLOAD\n10, 1, 2.\n", rigid))
+        self.assertNotIn("belongs to no element", said)
+        self.assertEqual([load["force"] for load in config["loads"]], [["2*t", 0, 0]])
+
     def test_rotations(self):
         rigid = "*NODE, NSET=ref\n500, 1., 3., 0.\n*RIGID BODY, REF NODE=500, TIE NSET=right1\n"
         for conditions, expected in (("ref, 1, 6\n", "fixed"), ("ref, 1, 5\nref, 6, 6, 0.3\n", {"axis": [0, 0, 1], "angle": "0.3*t"}), ("ref, 1, 5\n", {"axis": [0, 0, 1], "angle": "free"}),

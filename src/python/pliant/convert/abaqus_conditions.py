@@ -112,7 +112,9 @@ class AbaqusConditions:
             key = (row, component)
             groups.setdefault(self.displaced.get(key, self.prescribed.course.get(key)), []).append(row)
         if None in groups and self.steps.in_step and self.steps.start > 0:
-            self.late.append((card, line, target, component, groups.pop(None), self.steps.start))
+            rows = [row for some in groups.values() for row in some]
+            self.late.append((card, line, target, component, rows, self.steps.start))  # of a part of a set, too: none of it moves
+            return
         for before, rows in groups.items():
             course = self.steps.kept(before) if card.has("FIXED") and before is not None else self.steps.course_of(card, before, value)
             self.displaced.update({(row, component): before for row in rows})
