@@ -176,7 +176,7 @@ def parser_of(program):
     parser.add_argument("--mesh-edges", action="store_true", help="draw the edges of the elements")
     parser.add_argument("--outline", action="store_true", help="draw the edges of the undeformed shape")
     parser.add_argument("--cut", type=_plane, metavar="PLANE", help="take away what the undeformed bodies have on the viewer's side of a plane: y "
-                        "(through their middle), y=0.01, y=10mm, or NORMAL=OFFSET such as 1,0,1=0.02 [m]")
+                        "(through their middle), y=0.01, or NORMAL=OFFSET such as 1,0,1=0.02 [m]")
     parser.add_argument("--mirror", type=_mirror, action="append", default=[], metavar="PLANE",
                         help="draw the bodies of half a model and their image at x=0 (x), or at a plane such as y=0.01; may be repeated")
     parser.add_argument("--no-axes", action="store_true", help="leave out the axes and the scale bar")
