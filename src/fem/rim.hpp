@@ -45,8 +45,8 @@ std::vector<RimEdge> rim_edges(const NodeLayout& layout, const FacetList& facets
 Rim classify(const NodeLayout& layout, std::vector<RimEdge>& edges, const PrescribedSamples& prescribed);
 
 /// Whether the planes in which edges slide close the ends of a hollow. They do not where a whole loop slides along
-/// walls that lie in these planes, as at the end of a square tube that becomes longer: there is no lid that goes with
-/// it. To be called after `classify`. Collective.
+/// walls that lie in these planes, as at the end of a square tube that becomes longer: no lid goes with it. To be
+/// called after `classify`. Collective.
 bool planes_close(const NodeLayout& layout, const std::vector<RimEdge>& edges);
 
 /// The volume behind the surface in the reference configuration [m^3], positive if the facets face into it: each loop

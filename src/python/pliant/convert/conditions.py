@@ -50,8 +50,8 @@ def inward_faces(model, surface):
 
 
 def rotation_of(courses, value):
-    """The key `rotation` of a rigid part for rotations about x, y and z, None where one is free; None where there is no such key, which is free,
-    fixed, or one axis with the others fixed."""
+    """The key `rotation` of a rigid part for rotations about x, y and z (None: free): all free, all fixed, or one axis with the others
+    fixed; None for what the key cannot say."""
     if not any(courses):
         return "free"
     changing = [c for c, course in enumerate(courses) if course is None or course != Course.constant(0.0)]
