@@ -61,7 +61,7 @@ std::vector<std::unique_ptr<EnergyTerm>> make_joint_efforts(const Config& config
     auto laws = laws_of(given, is_static);
     if (const auto bearing = bearing_of(given, joints[j], is_static)) laws.emplace_back(*bearing);
     if (laws.empty() && !given.limits) continue;
-    JointEffort::Joint joint{{-1, -1}, coordinate_of_joint(joints[j]), {}};
+    JointEffort::Joint joint{{-1, -1}, coordinate_of_joint(joints[j]), {}, joints[j].angle};
     for (std::size_t side = 0; side < 2; ++side) {
       if (joints[j].parts[side] == ModelJoint::ground) continue;
       const auto body = rigid_body_of(config, config.constraints[joints[j].parts[side]]);
@@ -95,8 +95,7 @@ std::vector<std::unique_ptr<EnergyTerm>> make_joint_efforts(const Config& config
 double effort_of_motor(const JointConfig& joint, bool is_static, double coordinate, double rate, double time,
                        double factor) {
   if (!joint.motor) return 0.0;
-  return joint_effort(motor_of(*joint.motor, is_static), coordinate, rate, time, factor, joint.type == JointType::hinge)
-      .effort;
+  return joint_effort(motor_of(*joint.motor, is_static), coordinate, rate, time, factor).effort;
 }
 
 void require_finite_formulas(const Config& config, double time) {

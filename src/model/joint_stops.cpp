@@ -1,11 +1,13 @@
 #include "model/joint_stops.hpp"
 
 #include "input/analysis.hpp"
+#include "model/joint_turns.hpp"
 #include "petsc/collective.hpp"
 
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <variant>
 
 #include <fmt/format.h>
@@ -72,14 +74,14 @@ class Inertia {
   const ModelJoint& joint_;
 };
 
-/// The coordinate of a joint from the middle of its limits; angles within half a turn of it. Collective.
+/// The coordinate of a joint from the middle of its limits. Collective.
 double from_middle_of_limits(const JointConfig& given, const ModelJoint& joint, Vec q, Vec v) {
   const auto& [low, high] = *given.limits;
-  const auto [a, b] = joint.mechanism->states(joint.bodies, q, v);
-  const double coordinate = std::visit([&](const auto& kind) { return coordinate_of(kind, a.motion(), b.motion()); },
-                                       coordinate_of_joint(joint));
-  const double from_middle = coordinate - 0.5 * (low + high);
-  return joint.type == JointType::hinge ? std::remainder(from_middle, 2.0 * std::numbers::pi) : from_middle;
+  const auto bodies = joint.mechanism->states(joint.bodies, q, v);
+  const double coordinate = joint.angle != nullptr ? angle_of_joint(joint, bodies)
+                                                   : coordinate_of(JointTravel{joint.point, joint.axis},
+                                                                   bodies[0].motion(), bodies[1].motion());
+  return coordinate - 0.5 * (low + high);
 }
 
 }  // namespace
@@ -93,23 +95,6 @@ JointCoordinate coordinate_of_joint(const ModelJoint& joint) {
 double beyond_limits(const JointConfig& given, const ModelJoint& joint, Vec q, Vec v) {
   const auto& [low, high] = *given.limits;
   return std::abs(from_middle_of_limits(given, joint, q, v)) / (high - low) - 0.5;
-}
-
-std::optional<std::string> passed_stop(std::span<const JointConfig> given, std::span<const ModelJoint> joints, Vec q0,
-                                       Vec q) {
-  for (std::size_t j = 0; j < given.size(); ++j) {
-    if (!given[j].limits || joints[j].type != JointType::hinge) continue;
-    const auto& [low, high] = *given[j].limits;
-    const double half = 0.5 * (high - low);
-    const double before = from_middle_of_limits(given[j], joints[j], q0, q0),
-                 after = from_middle_of_limits(given[j], joints[j], q, q);
-    if (std::abs(before) <= half || std::abs(after) <= half || before * after > 0.0) continue;
-    return fmt::format(
-        "joint '{}' has been pushed from one of its stops over to the other; give it a larger "
-        "'limit_stiffness'",
-        joints[j].name);
-  }
-  return std::nullopt;
 }
 
 JointStops make_joint_stops(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,

@@ -6,9 +6,6 @@
 #include "model/mechanisms.hpp"
 
 #include <array>
-#include <optional>
-#include <span>
-#include <string>
 #include <vector>
 
 namespace pliant {
@@ -18,11 +15,6 @@ JointCoordinate coordinate_of_joint(const ModelJoint& joint);
 
 /// How far a joint is beyond its limits, relative to the range between them; negative: within. Collective.
 double beyond_limits(const JointConfig& given, const ModelJoint& joint, Vec q, Vec v);
-
-/// A message about a hinge that has been pushed from one of its stops over to the other, through the angles between
-/// them, on the way from q0 to q; nothing if none has. Collective.
-std::optional<std::string> passed_stop(std::span<const JointConfig> given, std::span<const ModelJoint> joints, Vec q0,
-                                       Vec q);
 
 /// The stops of a joint with limits between rigid bodies (numbers among those of `config`; JointEquation::ground). What
 /// the input does not give follows from masses and the step: a body that strikes a stop is thrown back after a few

@@ -220,6 +220,8 @@ class RigidSystemBuilder {
     added.point = joint.point;
     added.second_point = joint.type == JointType::distance ? *joint.second_point : joint.point;
     added.axis = *axis;
+    const bool turns = joint.type == JointType::hinge || joint.type == JointType::cylindrical;
+    if (turns) added.angle = std::make_shared<double>(0.0);
     added.parts = {*first, *second};
     configs_.push_back(&joint);
     if (*first != ModelJoint::ground && *second != ModelJoint::ground) groups_.join(*first, *second);

@@ -26,6 +26,7 @@ struct ModelJoint {
   Mechanism* mechanism = nullptr;      ///< of which it is a part
   std::array<int, 2> bodies{};         ///< of the mechanism
   std::size_t number = 0;              ///< among the joints of the mechanism
+  std::shared_ptr<double> angle;       ///< of the last accepted state, with whole turns [rad]; none if it has no angle
   static constexpr auto ground = static_cast<std::size_t>(-1);
 };
 

@@ -3,31 +3,20 @@
 #include "energy/rigid/rigid_fit.hpp"
 #include "input/analysis.hpp"
 #include "model/joint_efforts.hpp"
+#include "model/joint_turns.hpp"
 #include "model/rigid_bodies.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 namespace pliant {
 namespace {
 
 constexpr std::array axes{"x", "y", "z"};
 
-bool has_angle(JointType type) {
-  return type == JointType::hinge || type == JointType::cylindrical;
-}
-
 bool has_travel(JointType type) {
   return type == JointType::slider || type == JointType::cylindrical || type == JointType::distance;
-}
-
-/// The angle by which R turns about the axis, in (-pi, pi].
-double angle_about(const Vector3<double>& axis, const Quaternion& R) {
-  const double half = std::atan2(R[1] * axis[0] + R[2] * axis[1] + R[3] * axis[2], R[0]);
-  return std::remainder(2.0 * half, 2.0 * std::numbers::pi);
 }
 
 }  // namespace
@@ -69,9 +58,9 @@ std::vector<std::string> RigidStates::columns() const {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const ModelJoint& joint = model_.constraints().joints()[j];
     const JointConfig& given = joints_[j];
-    if (has_angle(joint.type)) names.push_back(joint.name + "_angle");
+    if (joint.angle != nullptr) names.push_back(joint.name + "_angle");
     if (has_travel(joint.type)) names.push_back(joint.name + "_travel");
-    if (has_angle(joint.type) != has_travel(joint.type)) names.push_back(joint.name + "_rate");
+    if ((joint.angle != nullptr) != has_travel(joint.type)) names.push_back(joint.name + "_rate");
     if (given.motor) names.push_back(joint.name + "_effort");
     add(joint.name, "_f");
     add(joint.name, "_t");
@@ -95,7 +84,8 @@ std::vector<double> RigidStates::values(const Instant& at, Vec q, Vec v,
   const auto& joints = model_.constraints().joints();
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const ModelJoint& joint = joints[j];
-    const auto [a, b] = joint.mechanism->states(joint.bodies, q, v);
+    const auto bodies = joint.mechanism->states(joint.bodies, q, v);
+    const auto& [a, b] = bodies;
     const Vector3<double> axis = joint.axis;
     const Vector3<double> n = a.motion().direction(axis);
     const Vector3<double> n_rate = cross(a.omega, n);
@@ -107,8 +97,8 @@ std::vector<double> RigidStates::values(const Instant& at, Vec q, Vec v,
     const Vector3<double> moving_apart = velocity_of(b, to) - velocity_of(a, from);
     double rate = 0.0;
     const std::size_t first = result.size();
-    if (has_angle(joint.type)) {
-      result.push_back(angle_about(axis, product(inverse(a.at.rotation), b.at.rotation)));
+    if (joint.angle != nullptr) {
+      result.push_back(angle_of_joint(joint, bodies));
       rate = dot(b.omega - a.omega, n);
     }
     if (joint.type == JointType::distance) {
@@ -119,7 +109,7 @@ std::vector<double> RigidStates::values(const Instant& at, Vec q, Vec v,
       result.push_back(dot(apart, n));
       rate = dot(moving_apart, n) + dot(apart, n_rate);
     }
-    if (has_angle(joint.type) != has_travel(joint.type)) result.push_back(rate);
+    if ((joint.angle != nullptr) != has_travel(joint.type)) result.push_back(rate);
     if (joints_[j].motor) {
       result.push_back(effort_of_motor(joints_[j], is_static_, result[first], rate, at.time, at.load_factor));
     }

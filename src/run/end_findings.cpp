@@ -18,6 +18,8 @@ constexpr double much = 0.5;
 constexpr double unbalanced = 0.01;
 /// Smaller energies are rounding errors of bodies without loads [J].
 constexpr double no_energy = 1e-20;
+/// Surfaces that are further in each other than this part of the largest displacement change what is looked at.
+constexpr double visible = 0.05;
 
 Diagnostic finding_about_loss(const Config& config, const EnergyWatch::Loss& loss, double kinetic,
                               double longest_step) {
@@ -109,6 +111,16 @@ std::vector<Diagnostic> findings_about_solutions(const Config& config, const Sol
                          s.unstable_stages, s.stages));
   }
   return found;
+}
+
+std::vector<Diagnostic> findings_about_contact(const Config& config, double gap, double displacement) {
+  if (!config.contact || !(-gap > visible * displacement)) return {};
+  return {
+      {Severity::note, config.contact->where,
+       fmt::format("a penalty gives way where bodies touch: at the end they are up to {:.3g} m in each other or in "
+                   "an obstacle, {:.0f} % of the largest displacement; where that matters, use 'law: barrier', which "
+                   "does not, or a larger 'stiffness'",
+                   -gap, 100.0 * -gap / displacement)}};
 }
 
 }  // namespace pliant

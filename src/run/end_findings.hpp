@@ -25,4 +25,8 @@ enum class Forces { some, none_but_rounding };
 std::vector<Diagnostic> findings_about_solutions(const Config& config, const SolverStatistics& statistics,
                                                  Forces forces);
 
+/// A note where a penalty gives way so far that it shows. `gap`: the least of the last state, negative where surfaces
+/// are in each other; `displacement`: the largest of that state [m].
+std::vector<Diagnostic> findings_about_contact(const Config& config, double gap, double displacement);
+
 }  // namespace pliant

@@ -2,7 +2,7 @@
 
 #include "base/error.hpp"
 #include "model/events.hpp"
-#include "model/joint_stops.hpp"
+#include "model/joint_turns.hpp"
 #include "petsc/check.hpp"
 #include "petsc/ghosted.hpp"
 
@@ -40,6 +40,8 @@ Simulation::Simulation(const Config& config, Model& model, Stages stages, Books 
   } else {
     model.check_contact_at_start(q_.get());
   }
+  forget_turns(model.constraints().joints());
+  follow_turns(model.constraints().joints(), q_.get(), v_.get());
   const Handle<Vec> z = model.potential().make_internal();
   if (z.get() != nullptr) model.potential().internal_variables().complete_step(nullptr, q_.get(), z.get());
   StateView initial{0.0, q_.get(), v_.get(), z.get()};
@@ -117,6 +119,7 @@ void Simulation::keep(Archive& archive) {
     archive.number("shortest", steps_.shortest);
     archive.number("longest", steps_.longest);
   });
+  part("joints", [&] { keep_turns(model_.constraints().joints(), archive); });
   if (!archive.restores()) return;
   turns_.forget();
   check(VecCopy(advance_->state().q, q_.get()));
@@ -306,9 +309,6 @@ std::optional<std::string> Simulation::impossibility(const StepAttempt& attempt,
   if (advance_->path() != nullptr) {
     if (auto too_far = turns_.too_far(record_.load_factor, attempt.load_factor)) return too_far;
   }
-  if (auto passes = passed_stop(model_.given_joints(), model_.constraints().joints(), q_.get(), attempt.q)) {
-    return passes;
-  }
   if (auto passes = passage(attempt)) return passes;
   return gain_at_barrier(attempt, step);
 }
@@ -347,6 +347,7 @@ void Simulation::accept(const StepAttempt& attempt, const Step& step) {
     record_.critical = path->critical;
   }
   measure_contact();
+  follow_turns(model_.constraints().joints(), q_.get(), v_.get());
   advance_->accept(attempt);
   record_.z = advance_->state().z;
   steps_.shortest = steps_.accepted == 0 ? record_.dt : std::min(steps_.shortest, record_.dt);

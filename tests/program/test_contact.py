@@ -187,6 +187,15 @@ time: {{{time}}}
         _, done = self.small_cube("near", "method: bdf2, step: 1 ms, end: 2 ms", "law: barrier, width: 1 mm", place=(0, 0, 5e-4))
         self.assertRegex(done.stderr, r"starts 0\.0005 m from the obstacle 'o', where contact acts")
 
+    def test_a_penalty_that_gives_way_visibly_is_noted(self):
+        press = "{box: [[-1, -1, 0.999], [2, 2, 2]], displacement: [0, 0, \"-0.05*t\"]}"
+        for stiffness, is_noted in (("", True), ("stiffness: 1e12 Pa/m", False)):
+            with self.subTest(stiffness=stiffness):
+                text = cube(contact=stiffness, rest=f"constraints: [{press}]\ntime: {{method: quasistatic, step: 0.5, end: 1}}")
+                said = self.pliant("run", self.write("press.yaml", text), "--output", "out").stdout
+                deepest = -read_history(self.directory / "out")["contact_gap_min"][-1]
+                self.assertEqual(f"at the end they are up to {deepest:.3g} m in each other" in said, is_noted, said)
+
     def test_nothing_passes_an_obstacle_unseen(self):
         # Either it is held off, or the run ends and says where.
         shapes = {"plate": "shape: box, size: [1, 1, 0.01]",

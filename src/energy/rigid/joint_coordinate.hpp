@@ -6,11 +6,12 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace pliant {
 
-/// The angle by which the second body is turned against the first about an axis, in (-pi, pi]; e, f and the axis are
-/// orthonormal.
+/// The angle by which the second body is turned against the first about an axis, up to whole turns; e, f and the axis
+/// are orthonormal.
 struct JointAngle {
   Vector3<double> e{}, f{};
 };
@@ -19,6 +20,11 @@ struct JointTravel {
   Vector3<double> point{}, direction{};
 };
 using JointCoordinate = std::variant<JointAngle, JointTravel>;
+
+/// The value of an angle up to whole turns that is nearest to another [rad].
+inline double nearest_turn(double angle, double near) {
+  return near + std::remainder(angle - near, 2.0 * std::numbers::pi);
+}
 
 inline double inverse_of(double x) {
   return 1.0 / x;

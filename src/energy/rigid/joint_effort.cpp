@@ -6,57 +6,50 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace pliant {
 namespace {
 
 constexpr int ground = -1;
 
-/// The difference of two coordinates; of two angles in [-pi, pi].
-double difference(double a, double b, bool turns) {
-  return turns ? std::remainder(a - b, 2.0 * std::numbers::pi) : a - b;
-}
-
 /// At which stop the coordinate is, the sign of it, and how far beyond; negative: between them.
-std::pair<double, double> beyond_stops(const JointStops& stops, double coordinate, bool turns) {
-  const double from_middle = difference(coordinate, stops.middle, turns);
+std::pair<double, double> beyond_stops(const JointStops& stops, double coordinate) {
+  const double from_middle = coordinate - stops.middle;
   return {from_middle < 0.0 ? -1.0 : 1.0, std::abs(from_middle) - stops.half_range};
 }
 
 /// The energy that stops store [J].
-double energy_of(const JointStops& stops, double coordinate, bool turns) {
-  const double beyond = beyond_stops(stops, coordinate, turns).second, w = stops.rounding;
+double energy_of(const JointStops& stops, double coordinate) {
+  const double beyond = beyond_stops(stops, coordinate).second, w = stops.rounding;
   if (beyond <= 0.0) return 0.0;
   if (beyond < w) return stops.stiffness * beyond * beyond * beyond / (6.0 * w);
   return stops.stiffness * (0.5 * beyond * (beyond - w) + w * w / 6.0);
 }
 
 /// The energy that a law stores at a coordinate less that at `from` [J]; none: less none.
-double stored_energy(const JointLaw& law, double coordinate, std::optional<double> from, bool turns) {
+double stored_energy(const JointLaw& law, double coordinate, std::optional<double> from) {
   if (const auto* stops = std::get_if<JointStops>(&law)) {
-    return energy_of(*stops, coordinate, turns) - (from ? energy_of(*stops, *from, turns) : 0.0);
+    return energy_of(*stops, coordinate) - (from ? energy_of(*stops, *from) : 0.0);
   }
   const auto* spring = std::get_if<JointSpring>(&law);
   if (spring == nullptr) return 0.0;
   // a^2 - b^2 = (a - b) (a + b) keeps the digits of small changes.
-  const double now = difference(coordinate, spring->rest, turns);
-  const double then = from ? difference(*from, spring->rest, turns) : 0.0;
+  const double now = coordinate - spring->rest;
+  const double then = from ? *from - spring->rest : 0.0;
   return 0.5 * spring->stiffness * (now - then) * (now + then);
 }
 
 struct EffortOf {
   double coordinate, rate, time, factor;
-  bool turns;
 
   JointEffortValue operator()(const JointSpring& spring) const {
-    return {-spring.stiffness * difference(coordinate, spring.rest, turns), -spring.stiffness, 0.0};
+    return {-spring.stiffness * (coordinate - spring.rest), -spring.stiffness, 0.0};
   }
   JointEffortValue operator()(const JointDamper& damper) const {
     return {-damper.coefficient * rate, 0.0, -damper.coefficient};
   }
   JointEffortValue operator()(const JointStops& stops) const {
-    const auto [side, beyond] = beyond_stops(stops, coordinate, turns);
+    const auto [side, beyond] = beyond_stops(stops, coordinate);
     if (beyond <= 0.0) return {};
     const bool is_begun = beyond < stops.rounding;
     const double force = is_begun ? 0.5 * beyond * beyond / stops.rounding : beyond - 0.5 * stops.rounding;
@@ -71,8 +64,8 @@ struct EffortOf {
   }
   JointEffortValue operator()(const JointMotor& motor) const {
     const TimeJet target = motor.target.derivatives(0.0, 0.0, 0.0, time, time);
-    const double u = motor.stiffness * difference(factor * target.value, coordinate, turns) +
-                     motor.damping * (factor * target.rate - rate);
+    const double u =
+        motor.stiffness * (factor * target.value - coordinate) + motor.damping * (factor * target.rate - rate);
     double effort = u, slope = 1.0;
     if (motor.limit) {
       const double tanh = std::tanh(u / *motor.limit);
@@ -88,10 +81,10 @@ struct EffortOf {
 /// their nine numbers, and carried to the nodes by the weights.
 class CoordinateOfNodes {
  public:
-  CoordinateOfNodes(const JointCoordinate& coordinate, const std::array<std::vector<PetscInt>, 2>& nodes,
+  CoordinateOfNodes(const JointEffort::Joint& joint, const std::array<std::vector<PetscInt>, 2>& nodes,
                     std::span<const double> X)
-      : coordinate_(coordinate) {
-    const JointVectors vectors = std::visit([](const auto& joint) { return vectors_of(joint); }, coordinate);
+      : coordinate_(joint.coordinate), angle_(joint.angle.get()) {
+    const JointVectors vectors = std::visit([](const auto& of) { return vectors_of(of); }, coordinate_);
     for (std::size_t d = 0; d < 3; ++d) places_[d] = vectors[d].at_start;
     for (std::size_t side = 0; side < 2; ++side) {
       if (nodes[side].empty()) continue;
@@ -113,7 +106,10 @@ class CoordinateOfNodes {
   const std::vector<PetscInt>& nodes() const { return nodes_; }
   std::size_t size() const { return 3 * nodes_.size(); }
 
-  double operator()(std::span<const double> u) const { return at(vectors(u)); }
+  double operator()(std::span<const double> u) const {
+    const double coordinate = at(vectors(u));
+    return angle_ != nullptr ? nearest_turn(coordinate, *angle_) : coordinate;
+  }
   std::vector<double> gather(std::span<const double> q) const {
     std::vector<double> u;
     for (const PetscInt node : nodes_) {
@@ -181,6 +177,7 @@ class CoordinateOfNodes {
   }
 
   const JointCoordinate& coordinate_;
+  const double* angle_;       // JointEffort::Joint::angle
   Vectors<double> places_{};  // of the vectors at the start
   std::array<std::array<double, 4>, 3> weights_{};
   std::array<std::optional<std::size_t>, 3> first_;  // node of each vector's body
@@ -216,16 +213,14 @@ JointState state_of(const CoordinateOfNodes& coordinate, const JointEffort::Join
       state.rate += state.slope[k] * state.velocity[k];
     }
   }
-  state.effort = joint_effort(joint.law, state.coordinate, state.rate, stage.time, stage.load_factor,
-                              std::holds_alternative<JointAngle>(joint.coordinate));
+  state.effort = joint_effort(joint.law, state.coordinate, state.rate, stage.time, stage.load_factor);
   return state;
 }
 
 }  // namespace
 
-JointEffortValue joint_effort(const JointLaw& law, double coordinate, double rate, double time, double factor,
-                              bool turns) {
-  return std::visit(EffortOf{coordinate, rate, time, factor, turns}, law);
+JointEffortValue joint_effort(const JointLaw& law, double coordinate, double rate, double time, double factor) {
+  return std::visit(EffortOf{coordinate, rate, time, factor}, law);
 }
 
 JointBody joint_body(const NodeLayout& layout, const std::vector<int>& body_of_cell, int body) {
@@ -307,14 +302,13 @@ double JointEffort::stored(const NearPatches& near, std::span<const double> q, s
   double sum = 0.0;
   for (const Seen& one : seen(near)) {
     if (!one.is_counted) continue;
-    const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, near.coordinates);
-    const bool turns = std::holds_alternative<JointAngle>(one.joint->coordinate);
+    const CoordinateOfNodes coordinate(*one.joint, one.nodes, near.coordinates);
     const auto at = [&](std::span<const double> place) {
       const auto u = coordinate.gather(place);
       return coordinate(u);
     };
     const std::optional<double> then = from.empty() ? std::nullopt : std::optional(at(from));
-    sum += stored_energy(one.joint->law, at(q), then, turns);
+    sum += stored_energy(one.joint->law, at(q), then);
   }
   return sum;
 }
@@ -325,7 +319,7 @@ double JointEffort::value(const LocalStage& stage, std::span<const double> q) co
 
 void JointEffort::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
   for (const Seen& one : seen(*stage.near)) {
-    const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, stage.near->coordinates);
+    const CoordinateOfNodes coordinate(*one.joint, one.nodes, stage.near->coordinates);
     const JointState state = state_of(coordinate, *one.joint, stage, q);
     for (std::size_t a = 0; a < coordinate.nodes().size(); ++a) {
       if (!stage.near->is_owned(coordinate.nodes()[a])) continue;
@@ -340,7 +334,7 @@ void JointEffort::add_gradient(const LocalStage& stage, std::span<const double> 
 void JointEffort::add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                               Projection projection) const {
   for (const Seen& one : seen(*stage.near)) {
-    const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, stage.near->coordinates);
+    const CoordinateOfNodes coordinate(*one.joint, one.nodes, stage.near->coordinates);
     const JointState state = state_of(coordinate, *one.joint, stage, q);
     const std::size_t n = coordinate.size();
     const double per_time = stage.dt > 0.0 ? 1.0 / stage.dt : 0.0;
@@ -379,7 +373,7 @@ double JointEffort::dissipation(const LocalStage& stage, std::span<const double>
   double sum = 0.0;
   for (const Seen& one : seen(*stage.near)) {
     if (!one.is_counted || !dissipates(one.joint->law)) continue;
-    const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, stage.near->coordinates);
+    const CoordinateOfNodes coordinate(*one.joint, one.nodes, stage.near->coordinates);
     const JointState state = state_of(coordinate, *one.joint, stage, q);
     sum -= state.effort.effort * state.rate;
   }

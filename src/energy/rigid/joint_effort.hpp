@@ -14,7 +14,7 @@
 
 namespace pliant {
 
-/// k/2 (s - rest)^2; an angle differs from `rest` by half a turn at most.
+/// k/2 (s - rest)^2.
 struct JointSpring {
   double stiffness = 0.0, rest = 0.0;
 };
@@ -30,8 +30,7 @@ struct JointMotor {
   Expression effort;
 };
 /// Elastic stops at both ends of a range: an effort k g where the coordinate is beyond one by g, which begins smoothly
-/// within `rounding` (k g^2 / (2 rounding), then k (g - rounding / 2)). Angles are compared within half a turn of the
-/// middle of the range.
+/// within `rounding` (k g^2 / (2 rounding), then k (g - rounding / 2)).
 struct JointStops {
   double middle = 0.0, half_range = 0.0;
   double stiffness = 0.0, rounding = 0.0;
@@ -52,10 +51,8 @@ using JointLaw = std::variant<JointSpring, JointDamper, JointMotor, JointStops, 
 struct JointEffortValue {
   double effort = 0.0, by_coordinate = 0.0, by_rate = 0.0;
 };
-/// `factor`: the part of a load step that is reached; it multiplies targets and efforts of motors. `turns`: the
-/// coordinate is an angle.
-JointEffortValue joint_effort(const JointLaw& law, double coordinate, double rate, double time, double factor,
-                              bool turns);
+/// `factor`: the part of a load step that is reached; it multiplies targets and efforts of motors.
+JointEffortValue joint_effort(const JointLaw& law, double coordinate, double rate, double time, double factor);
 
 /// A body as the corners of one of its cells, which move affinely with it.
 struct JointBody {
@@ -73,6 +70,8 @@ class JointEffort final : public EnergyTerm, public PairCoupling {
     std::array<int, 2> bodies{-1, -1};  ///< keys; -1: the ground
     JointCoordinate coordinate;
     JointLaw law;  ///< all of the same kind
+    /// The angle of the last accepted state, whose whole turns count; none: those of the angle in [-pi, pi].
+    std::shared_ptr<const double> angle = nullptr;
   };
   JointEffort(const std::vector<JointBody>& bodies, std::vector<Joint> joints);
 

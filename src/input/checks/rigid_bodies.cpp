@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <string>
 
 #include <fmt/format.h>
@@ -31,14 +30,9 @@ bool has_real_mass(const std::array<double, 6>& moments) {
 
 void check_limits(const JointConfig& joint, Diagnostics& diagnostics) {
   const auto& [low, high] = *joint.limits;
-  const bool turns = joint.type == JointType::hinge;
   if (!(low < high)) {
     diagnostics.add(joint.where, fmt::format("the limits of joint '{}' are [{:g}, {:g}]: the first must be smaller",
                                              joint.name, low, high));
-  } else if (turns && high - low >= 2.0 * std::numbers::pi) {
-    diagnostics.add(joint.where, fmt::format("the limits of joint '{}' are a full turn apart: they are angles in "
-                                             "radians, less than 2 pi apart",
-                                             joint.name));
   } else if (low > 0.0 || high < 0.0) {
     diagnostics.add(joint.where, fmt::format("joint '{}' is at 0 at the start, outside of its limits [{:g}, {:g}]",
                                              joint.name, low, high));
