@@ -128,6 +128,7 @@ void check_moduli(const Config& config, Diagnostics& diagnostics) {
 void check_held(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   if (analysis_of(config) == Analysis::dynamic) return;
   const std::string method = method_name(config.time.method);
+  if (config.contact && !config.contact->obstacles.empty()) return;  // on which bodies may lie (model/checks)
   // Springs hold, too; the directions in which they do so depend on the mesh.
   const auto is_spring = [](const LoadConfig& load) {
     const auto foundation = foundation_of(load);
@@ -149,9 +150,9 @@ void check_held(const Config& config, const InputNode& root, Diagnostics& diagno
   if (std::ranges::any_of(config.joints, holds) || std::ranges::any_of(config.rods, is_clamped)) return;
   const InputNode* constraints = given(root, {"constraints"});
   const Location& where = config.time.method.where;
-  // Contact holds only once it acts, and pushes only.
   const std::string cure =
-      config.contact ? "; contact does not count: a weak `spring` on a surface holds bodies until they touch" : "";
+      config.contact ? "; contact of bodies with one another does not count: a weak `spring` on a surface holds them"
+                     : "";
   if (constraints == nullptr || constraints->children.empty()) {
     diagnostics.add({root.where, {"constraints"}}, where,
                     "a " + method + " analysis needs constraints; without them the bodies can move as a whole" + cure);

@@ -93,6 +93,15 @@ std::optional<Diagnostic> check_support(const Config& config, const NodeLayout& 
     selections.throw_if_errors();
   }
   const auto is_foundation = [](const LoadConfig& load) { return foundation_of(load).has_value(); };
+  const bool may_lie = config.contact && !config.contact->obstacles.empty();
+  if (num_free == components.count && may_lie && config.springs.empty() && config.rods.empty() &&
+      std::ranges::none_of(config.loads, is_foundation)) {
+    return Diagnostic{
+        Severity::note, config.time.method.where,
+        "nothing but contact holds the bodies: without inertia they move at once to where obstacles stop "
+        "them, and along these their place is arbitrary unless friction holds them; if that fails, a weak "
+        "`spring` on a surface holds bodies until they touch"};
+  }
   if (num_free == components.count || !config.springs.empty() || !config.rods.empty() ||
       std::ranges::any_of(config.loads, is_foundation)) {
     return std::nullopt;  // or something else may hold it

@@ -86,7 +86,7 @@ std::vector<Diagnostic> findings_about_solutions(const Config& config, const Sol
   const auto warn = [&](const Location& where, std::string text) {
     found.push_back({Severity::warning, where, std::move(text)});
   };
-  if (2 * s.unbalanced_stops > s.stages) {
+  if (config.solver.newton.absolute > 0.0 && 2 * s.unbalanced_stops > s.stages) {
     warn({config.file, 0, 0},
          fmt::format("'solver.newton.absolute' of {:g} N ended {} of {} solves while more than a tenth of the forces "
                      "was unbalanced: these are not solutions; give a smaller value, or omit the key",

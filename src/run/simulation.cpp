@@ -278,6 +278,21 @@ bool Simulation::ends_inside_out(const StepAttempt& attempt) {
   return !std::ranges::all_of(energies, [](double energy) { return std::isfinite(energy); });
 }
 
+// An equilibrium is not so far away, but solves end there where nothing holds a body: its forces are small relative to
+// the rounding errors of its place.
+std::optional<std::string> Simulation::escape(const StepAttempt& attempt) {
+  constexpr double far = 1e4;  // sizes of the model
+  if (analysis_ == Analysis::dynamic) return std::nullopt;
+  const auto& box = model_.mesh_report().bounds;
+  const double size = std::hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]);
+  double moved = 0.0;
+  check(VecWAXPY(next_q_.get(), -1.0, q_.get(), attempt.q));
+  check(VecNorm(next_q_.get(), NORM_INFINITY, &moved));
+  if (moved <= far * size) return std::nullopt;
+  return fmt::format("bodies have moved by {:.1e} m: nothing holds them against the loads, and there is no equilibrium",
+                     moved);
+}
+
 // If inertia carries the start of a stage beyond a barrier, the stage throws the body back fast enough to leave the
 // barrier within the stage, and damping acts with the weight of the stage, not with the duration of the impact.
 std::optional<std::string> Simulation::gain_at_barrier(const StepAttempt& attempt, const Step& step) {
@@ -302,6 +317,7 @@ std::optional<std::string> Simulation::impossibility(const StepAttempt& attempt,
     check(VecNorm(x, NORM_2, &size));
     if (!std::isfinite(size)) return "the state at the end of the step is not finite";
   }
+  if (auto far = escape(attempt)) return far;
   if (ends_inside_out(attempt)) {
     return "a tetrahedron is inside out at the end of the step, although not in any of its stages: the method combines "
            "all of them";

@@ -145,6 +145,8 @@ class Simulation {
   std::optional<std::string> impossibility(const StepAttempt& attempt, const Step& step);
   /// A message if an impact on a barrier gains energy in a step that may still be shortened.
   std::optional<std::string> gain_at_barrier(const StepAttempt& attempt, const Step& step);
+  /// A message if a step without inertia ends farther away than any body can lie.
+  std::optional<std::string> escape(const StepAttempt& attempt);
   /// Whether a tetrahedron is inverted at the end of the step, which is not a stage.
   bool ends_inside_out(const StepAttempt& attempt);
   StepOutcome reject(const StepAttempt& attempt, const Step& step);

@@ -117,6 +117,17 @@ StageReport EquilibriumSearch::seek(Vec q, Vec second_guess, int max_iterations)
   return work.report;
 }
 
+StageReport EquilibriumSearch::hold_softly(Vec q, int max_iterations) {
+  StageEquation& equation = objective_.equation();
+  objective_.proximal().hold(q, num_local_displacements(equation, q), first_weight * iteration_.stiffness(q));
+  iteration_.renew_factor();
+  iteration_.begin(q, objective_.usual_aim());
+  StageReport report = iteration_.run(q, max_iterations);
+  objective_.proximal().release();
+  iteration_.renew_factor();
+  return report;
+}
+
 StageReport EquilibriumSearch::descend(Vec q, int max_iterations) {
   StageEquation& equation = objective_.equation();
   Proximal& proximal = objective_.proximal();

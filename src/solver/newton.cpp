@@ -1,5 +1,7 @@
 #include "solver/newton.hpp"
 
+#include "petsc/copy_of.hpp"
+
 #include <algorithm>
 #include <utility>
 
@@ -67,7 +69,9 @@ StageReport NewtonSolver::solve_for_unknowns(const StagePoint& stage, Vec q) {
   StageReport report{StageOutcome::retry, guess.failure.value_or("")};
   if (!guess.failure) {
     loop_.use_guess(q, guess.measure);
+    const Handle<Vec> start = copy_of(q);
     report = iterate(q);
+    if (report.outcome == StageOutcome::retry) report = iterate_with_drag(q, start.get(), report);
     coefficients_.settle(q, report);
   }
   if (report.outcome == StageOutcome::converged) {
@@ -84,6 +88,27 @@ StageReport NewtonSolver::iterate(Vec q) {
   if (may_follow()) return equilibria_.seek(q, guesses_.second(), options_.max_iterations);
   if (objective_.is_minimised()) return loop_.run(q);
   return roots_.seek(q, options_.max_iterations);
+}
+
+StageReport NewtonSolver::iterate_with_drag(Vec q, Vec guess, const StageReport& failed) {
+  if (!objective_.is_static() || !equation_.refreeze(guess)) return failed;
+  check(VecCopy(guess, q));
+  StageReport report = equilibria_.hold_softly(q, options_.max_iterations);
+  const auto add = [&](const StageReport& other) {
+    report.newton_iterations += other.newton_iterations;
+    report.linear_iterations += other.linear_iterations;
+  };
+  if (report.outcome == StageOutcome::converged) {
+    equation_.freeze(q);
+    check(VecCopy(guess, q));
+    const StageReport held = std::exchange(report, iterate(q));
+    add(held);
+  } else {
+    report.outcome = failed.outcome;
+    report.reason = failed.reason;
+  }
+  add(failed);
+  return report;
 }
 
 void NewtonSolver::forget() {

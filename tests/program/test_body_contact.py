@@ -287,6 +287,34 @@ time: {{method: quasistatic, step: 0.05, end: 0.5}}
         for column in ("dissipated_friction", "lid_fz"):
             np.testing.assert_allclose(h[column][-1], frozen[column][-1], rtol=0.01)
 
+    def test_a_block_is_gripped_and_lifted_without_inertia(self):
+        parts = [box((2, 2, 2), (0.04,) * 3, (0, 0, 0)), box((1, 1, 1), (0.01, 0.02, 0.02), (-0.0115, 0.01, 0.01)),
+                 box((1, 1, 1), (0.01, 0.02, 0.02), (0.0415, 0.01, 0.01))]
+        first = np.cumsum([0] + [len(part[0]) for part in parts])
+        cells = np.vstack([part[2] + n for part, n in zip(parts, first)])
+        sides = [np.vstack([part[1][k] + n for part, n in zip(parts, first)]) for k in range(len(parts[0][1]))]
+        write_mesh(self.directory / "grip.msh", np.vstack([part[0] for part in parts]), sides, cells,
+                   (["block", "left", "right"], np.repeat([0, 1, 2], [len(part[2]) for part in parts])))
+        rubber = "density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 100 kPa, poissons_ratio: 0.4}"
+        self.write("in.yaml", f"""
+mesh: {{file: grip.msh}}
+bodies: [{{volume: block, {rubber}}}, {{volume: left, {rubber}}}, {{volume: right, {rubber}}}]
+constraints:
+  - {{name: left_hand, box: [[-1, -1, -1], [-0.0114, 1, 1]], displacement: ["0.0025*min(t,1)", 0, "0.02*max(t-1,0)"]}}
+  - {{name: right_hand, box: [[0.0514, -1, -1], [1, 1, 1]], displacement: ["-0.0025*min(t,1)", 0, "0.02*max(t-1,0)"]}}
+loads: [{{gravity: [0, 0, -{G}]}}]
+contact:
+  {{law: penalty, stick_velocity: 1e-4, pairs: all, friction: 0.8, obstacles: [{{name: floor, shape: plane, normal: [0, 0, 1], friction: 0.5}}]}}
+time: {{method: quasistatic, step: 0.1, end: 1.5}}
+probes: [{{name: middle, point: [0.02, 0.02, 0.02]}}]
+""")
+        h = self.run_input("in.yaml", ranks=2 if LONG else 1)
+        block, pads = 1000 * G * 0.04**3, 2 * 1000 * G * 0.01 * 0.02**2
+        self.assertAlmostEqual(h["floor_fz"][2] / block, 1, delta=1e-6)
+        self.assertEqual(h["floor_fz"][-1], 0)
+        self.assertAlmostEqual((h["left_hand_fz"][-1] + h["right_hand_fz"][-1]) / (block + pads), 1, delta=1e-6)
+        self.assertAlmostEqual(h["middle_z"][-1] - h["middle_z"][10], 0.01, delta=1e-3)
+
     def test_a_penalty_holds_what_lies_on_it(self):
         damped = ", viscosity: [{model: mass-proportional, decay_rate: 40}]"
         weight = 1000 * G * 0.02**3

@@ -187,6 +187,21 @@ time: {{{time}}}
         _, done = self.small_cube("near", "method: bdf2, step: 1 ms, end: 2 ms", "law: barrier, width: 1 mm", place=(0, 0, 5e-4))
         self.assertRegex(done.stderr, r"starts 0\.0005 m from the obstacle 'o', where contact acts")
 
+    def test_contact_alone_holds_bodies_without_inertia(self):
+        # Friction holds the body from the first step on, whose guess has no pressure; sliding, it has no equilibrium.
+        for law, above, ranks in swept((("penalty", 0, 1), ("barrier", 0.001, 2), ("barrier", 0.001, 1), ("penalty", 0, 3)), (("penalty", 0, 1), ("barrier", 0.001, 2))):
+            with self.subTest(law=law, ranks=ranks):
+                h = self.run_cube("slope", "method: quasistatic, step: 0.1, end: 0.2", ranks=ranks, contact=f"law: {law}",
+                                  above=above, floor=", friction: 0.5", gravity=(3, 0, -G))
+                np.testing.assert_allclose(h["floor_fx"][1:], -3000, rtol=1e-6)
+                np.testing.assert_allclose(h["floor_fz"][1:], 1000 * G, rtol=1e-6)
+        h = self.run_cube("lying", "method: static, load_steps: 2")
+        np.testing.assert_allclose(h["floor_fz"][-1], 1000 * G, rtol=1e-6)
+        text = cube(floor=", friction: 0.5", gravity=(6, 0, -G), rest="time: {method: quasistatic, step: 0.1, end: 0.3, min_step: 0.05}")
+        told = self.pliant("run", self.write("sliding.yaml", text), status=3)
+        self.assertIn("nothing but contact holds the bodies", told.stdout)
+        self.assertIn("nothing holds them against the loads", told.stderr)
+
     def test_a_penalty_that_gives_way_visibly_is_noted(self):
         press = "{box: [[-1, -1, 0.999], [2, 2, 2]], displacement: [0, 0, \"-0.05*t\"]}"
         for stiffness, is_noted in (("", True), ("stiffness: 1e12 Pa/m", False)):
