@@ -122,6 +122,7 @@ void Simulation::keep(Archive& archive) {
   part("joints", [&] { keep_turns(model_.constraints().joints(), archive); });
   if (!archive.restores()) return;
   turns_.forget();
+  growth_ = 0.0;  // until there are steps again
   check(VecCopy(advance_->state().q, q_.get()));
   check(VecCopy(advance_->state().v, v_.get()));
   record_.z = advance_->state().z;
@@ -285,12 +286,11 @@ std::optional<std::string> Simulation::escape(const StepAttempt& attempt) {
   if (analysis_ == Analysis::dynamic) return std::nullopt;
   const auto& box = model_.mesh_report().bounds;
   const double size = std::hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]);
-  double moved = 0.0;
   check(VecWAXPY(next_q_.get(), -1.0, q_.get(), attempt.q));
-  check(VecNorm(next_q_.get(), NORM_INFINITY, &moved));
-  if (moved <= far * size) return std::nullopt;
+  check(VecNorm(next_q_.get(), NORM_INFINITY, &moved_));
+  if (moved_ <= far * size) return std::nullopt;
   return fmt::format("bodies have moved by {:.1e} m: nothing holds them against the loads, and there is no equilibrium",
-                     moved);
+                     moved_);
 }
 
 // If inertia carries the start of a stage beyond a barrier, the stage throws the body back fast enough to leave the
@@ -338,7 +338,20 @@ StepOutcome Simulation::reject(const StepAttempt& attempt, const Step& step) {
     return {StepOutcome::Kind::failed, error.what(), step, true};  // a shorter step would not help
   }
   const RetryDecision decision = control_->reject(attempt.report.reason);
-  return {outcome_of(decision, StepOutcome::Kind::unsolved), decision.reason, step};
+  const bool gives_up = decision.retry == Retry::give_up;
+  return {outcome_of(decision, StepOutcome::Kind::unsolved), decision.reason + (gives_up ? limit_in_sight() : ""),
+          step};
+}
+
+std::string Simulation::limit_in_sight() const {
+  constexpr double fast = 5.0;
+  if (!(first_growth_ > 0.0 && growth_ > fast * first_growth_)) return "";
+  return fmt::format(
+      "; displacements grow {:.0f} times as fast as in the first step, so that there may be no equilibrium under "
+      "larger "
+      "loads (ballooning, buckling, collapse): 'path' of a static analysis follows equilibria past a limit point, and "
+      "cavities whose volume is controlled ('liquid') stay stable",
+      growth_ / first_growth_);
 }
 
 void Simulation::accept(const StepAttempt& attempt, const Step& step) {
@@ -366,6 +379,10 @@ void Simulation::accept(const StepAttempt& attempt, const Step& step) {
   follow_turns(model_.constraints().joints(), q_.get(), v_.get());
   advance_->accept(attempt);
   record_.z = advance_->state().z;
+  if (analysis_ != Analysis::dynamic && is_as_planned && record_.dt > 0.0) {
+    growth_ = moved_ / record_.dt;
+    if (steps_.accepted == 0) first_growth_ = growth_;
+  }
   steps_.shortest = steps_.accepted == 0 ? record_.dt : std::min(steps_.shortest, record_.dt);
   steps_.longest = std::max(steps_.longest, record_.dt);
   ++steps_.accepted;

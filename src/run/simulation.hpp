@@ -150,6 +150,8 @@ class Simulation {
   /// Whether a tetrahedron is inverted at the end of the step, which is not a stage.
   bool ends_inside_out(const StepAttempt& attempt);
   StepOutcome reject(const StepAttempt& attempt, const Step& step);
+  /// What the growth of displacements says about loads beyond the last state; may be empty.
+  std::string limit_in_sight() const;
   void accept(const StepAttempt& attempt, const Step& step);
   /// Measures `contact` of the state in `q_`, and updates its ghosts.
   void measure_contact();
@@ -175,8 +177,10 @@ class Simulation {
   StepStatistics steps_;
   TurnWatch turns_;
   bool warned_of_turns_ = false;
-  double contact_start_ = 0.0;      // end of the last step without contact [s]
-  bool settles_pressures_ = false;  // because steps do not end with a stage
+  double moved_ = 0.0;                        // by the last attempt without inertia, any node [m]
+  double first_growth_ = 0.0, growth_ = 0.0;  // of displacements with the load factor or time, without inertia
+  double contact_start_ = 0.0;                // end of the last step without contact [s]
+  bool settles_pressures_ = false;            // because steps do not end with a stage
   std::int64_t steps_since_restart_ = 0;
   Step step_;  // that is taken stage by stage
   StageFollower* follower_ = nullptr;

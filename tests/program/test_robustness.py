@@ -183,6 +183,18 @@ time: {{method: quasistatic, step: 0.05, end: 1}}
                 self.assertEqual(h["time"][-1], 1.0)
                 self.assertLess(abs(h["energy_balance_error"][-1]), 1e-3 * h["elastic_energy"][-1])
 
+    def test_a_load_beyond_a_limit_point_is_told(self):
+        # Suction on all sides of a cube, which no compressible neo-Hookean cube bears without end.
+        near = ["[[-1, -1, -1], [1e-6, 2, 2]]", "[[-1, -1, -1], [2, 1e-6, 2]]", "[[-1, -1, -1], [2, 2, 1e-6]]"]
+        far = ["[[0.0999, -1, -1], [2, 2, 2]]", "[[-1, 0.0999, -1], [2, 2, 2]]", "[[-1, -1, 0.0999], [2, 2, 2]]"]
+        text = f"""{CUBE}bodies: [{{elasticity: {{model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.3}}}}]
+constraints: [{", ".join("{box: " + box + ", symmetry: plane}" for box in near)}]
+loads: [{", ".join("{box: " + box + ", pressure: -2 MPa}" for box in far)}]
+time: {{method: static, load_steps: 8}}
+"""
+        done = self.pliant("run", self.write("suction.yaml", text), "--quiet", status=3)
+        self.assertRegex(done.stderr, "displacements grow [0-9]+ times as fast as in the first step, so that there may be no equilibrium")
+
 
 def tip_of_elastica(length, load, n=4000):
     """Of an inextensible beam under a follower load per length, over its bending stiffness [1/m^3].
