@@ -69,9 +69,9 @@ StageReport NewtonSolver::solve_for_unknowns(const StagePoint& stage, Vec q) {
   StageReport report{StageOutcome::retry, guess.failure.value_or("")};
   if (!guess.failure) {
     loop_.use_guess(q, guess.measure);
-    const Handle<Vec> start = copy_of(q);
+    const Handle<Vec> start = objective_.is_static() ? copy_of(q) : Handle<Vec>();
     report = iterate(q);
-    if (report.outcome == StageOutcome::retry) report = iterate_with_drag(q, start.get(), report);
+    if (start && report.outcome == StageOutcome::retry) report = iterate_with_drag(q, start.get(), report);
     coefficients_.settle(q, report);
   }
   if (report.outcome == StageOutcome::converged) {
@@ -91,7 +91,7 @@ StageReport NewtonSolver::iterate(Vec q) {
 }
 
 StageReport NewtonSolver::iterate_with_drag(Vec q, Vec guess, const StageReport& failed) {
-  if (!objective_.is_static() || !equation_.refreeze(guess)) return failed;
+  if (!equation_.refreeze(guess)) return failed;
   check(VecCopy(guess, q));
   StageReport report = equilibria_.hold_softly(q, options_.max_iterations);
   const auto add = [&](const StageReport& other) {

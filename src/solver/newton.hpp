@@ -78,8 +78,8 @@ class NewtonSolver {
   StageReport solve_for_unknowns(const StagePoint& stage, Vec q);
   /// Runs Newton's iteration, several times if necessary.
   StageReport iterate(Vec q);
-  /// Once more from the guess after a failure, with the drag of a state that is held softly near it; where no terms
-  /// refreeze, what failed.
+  /// Once more from the guess after a failure without inertia, with the drag of a state that is held softly near it;
+  /// where no terms refreeze, what failed.
   StageReport iterate_with_drag(Vec q, Vec guess, const StageReport& failed);
   /// Whether there may be an equilibrium that is not a minimum: in stages without inertia.
   bool may_follow() const { return objective_.is_static() && is_symmetric(equation_.symmetry()); }
