@@ -122,7 +122,7 @@ void Simulation::keep(Archive& archive) {
   part("joints", [&] { keep_turns(model_.constraints().joints(), archive); });
   if (!archive.restores()) return;
   turns_.forget();
-  growth_ = 0.0;  // until there are steps again
+  moved_in_all_ = grown_ = last_growth_ = 0.0;
   check(VecCopy(advance_->state().q, q_.get()));
   check(VecCopy(advance_->state().v, v_.get()));
   record_.z = advance_->state().z;
@@ -345,13 +345,13 @@ StepOutcome Simulation::reject(const StepAttempt& attempt, const Step& step) {
 
 std::string Simulation::limit_in_sight() const {
   constexpr double fast = 5.0;
-  if (!(first_growth_ > 0.0 && growth_ > fast * first_growth_)) return "";
+  if (!(last_growth_ * grown_ > fast * moved_in_all_)) return "";
   return fmt::format(
-      "; displacements grow {:.0f} times as fast as in the first step, so that there may be no equilibrium under "
-      "larger "
-      "loads (ballooning, buckling, collapse): 'path' of a static analysis follows equilibria past a limit point, and "
-      "cavities whose volume is controlled ('liquid') stay stable",
-      growth_ / first_growth_);
+      "; displacements grow {:.0f} times as fast as on average, so that there may be no equilibrium under larger loads "
+      "(ballooning, buckling, collapse, sliding away): 'path' of a static analysis follows equilibria past a limit "
+      "point, "
+      "cavities whose volume is controlled ('liquid') stay stable, and inertia carries bodies on",
+      last_growth_ * grown_ / moved_in_all_);
 }
 
 void Simulation::accept(const StepAttempt& attempt, const Step& step) {
@@ -379,9 +379,10 @@ void Simulation::accept(const StepAttempt& attempt, const Step& step) {
   follow_turns(model_.constraints().joints(), q_.get(), v_.get());
   advance_->accept(attempt);
   record_.z = advance_->state().z;
-  if (analysis_ != Analysis::dynamic && is_as_planned && record_.dt > 0.0) {
-    growth_ = moved_ / record_.dt;
-    if (steps_.accepted == 0) first_growth_ = growth_;
+  if (analysis_ != Analysis::dynamic && is_as_planned && moved_ > 0.0) {
+    moved_in_all_ += moved_;
+    grown_ += record_.dt;
+    last_growth_ = moved_ / record_.dt;
   }
   steps_.shortest = steps_.accepted == 0 ? record_.dt : std::min(steps_.shortest, record_.dt);
   steps_.longest = std::max(steps_.longest, record_.dt);

@@ -177,10 +177,11 @@ class Simulation {
   StepStatistics steps_;
   TurnWatch turns_;
   bool warned_of_turns_ = false;
-  double moved_ = 0.0;                        // by the last attempt without inertia, any node [m]
-  double first_growth_ = 0.0, growth_ = 0.0;  // of displacements with the load factor or time, without inertia
-  double contact_start_ = 0.0;                // end of the last step without contact [s]
-  bool settles_pressures_ = false;            // because steps do not end with a stage
+  double moved_ = 0.0;  // by the last attempt without inertia, any node [m]
+  // By all accepted steps without inertia, in which load factor or time has grown by that much, and by the last one.
+  double moved_in_all_ = 0.0, grown_ = 0.0, last_growth_ = 0.0;
+  double contact_start_ = 0.0;      // end of the last step without contact [s]
+  bool settles_pressures_ = false;  // because steps do not end with a stage
   std::int64_t steps_since_restart_ = 0;
   Step step_;  // that is taken stage by stage
   StageFollower* follower_ = nullptr;

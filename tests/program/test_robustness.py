@@ -193,7 +193,7 @@ loads: [{", ".join("{box: " + box + ", pressure: -2 MPa}" for box in far)}]
 time: {{method: static, load_steps: 8}}
 """
         done = self.pliant("run", self.write("suction.yaml", text), "--quiet", status=3)
-        self.assertRegex(done.stderr, "displacements grow [0-9]+ times as fast as in the first step, so that there may be no equilibrium")
+        self.assertRegex(done.stderr, "displacements grow [0-9]+ times as fast as on average, so that there may be no equilibrium")
 
 
 def tip_of_elastica(length, load, n=4000):
