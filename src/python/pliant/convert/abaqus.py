@@ -65,9 +65,7 @@ def read(file, diagnostics):
                 friction[interaction] = diagnostics.number(card.data[0][1][0], card.data[0][0], "the coefficient of friction")
             parameters = "".join(f", {name}{'=' + value if value else ''}" for name, value in card.parameters.items())
             said = f"{card.title}{parameters}"
-            if card.keyword == "TRANSFORM":
-                diagnostics.missing(card.line, f"{said}: conditions on its nodes are along local axes, and stand in the input along x, y, z: correct them there")
-            elif card.keyword in ("CONTACTPAIR", "CONTACT"):
+            if card.keyword in ("CONTACTPAIR", "CONTACT"):
                 names = [[mesh.spelled("surface", name) for name in entries if name] for _, entries in card.data] if card.keyword == "CONTACTPAIR" else []
                 pairs = [(own[0], own[1] if len(own) > 1 and own[1] != own[0] else "", friction.get(card.upper("INTERACTION"))) for own in names if own]
                 diagnostics.missing(card.line, f"{said}: {hint(pairs)}")

@@ -1,7 +1,9 @@
 """Boundary conditions, loads and ties of an input file of Abaqus or CalculiX."""
 import re
 
+from .abaqus_axes import LocalAxes
 from .abaqus_deck import real, whole
+from .abaqus_equations import AbaqusEquations
 from .abaqus_loads import DistributedLoads
 from .abaqus_nodes import NodeTable
 from .conditions import add_prescribed
@@ -26,12 +28,14 @@ class AbaqusConditions:
         self.model, self.mesh, self.steps, self.rigid, self.diagnostics = model, mesh, steps, rigid, diagnostics
         self.prescribed, self.forces = NodeTable(model), NodeTable(model)
         self.loads = DistributedLoads(model, mesh, steps, diagnostics)
+        self.axes = LocalAxes(model, mesh, diagnostics)
+        self.equations = AbaqusEquations(model, mesh, self.axes, diagnostics)
         self.velocities = []
         self.lines = {}  # the first one of a target
         self.late = []  # displacements that begin in a later step: (card, line, target, component, rows, time)
         self.begin_step()
         self.handlers = {"BOUNDARY": self.read_boundary, "CLOAD": self.read_forces, "DLOAD": self.loads.read, "DSLOAD": self.loads.read,
-                         "INITIALCONDITIONS": self.read_initial, "TIE": self.read_tie}
+                         "INITIALCONDITIONS": self.read_initial, "TIE": self.read_tie, "EQUATION": self.equations.read, "TRANSFORM": self.axes.read}
 
     def begin_step(self):
         self.displaced = {}  # in the present step: (row, component) -> the course before it
@@ -216,6 +220,10 @@ class AbaqusConditions:
         self.used = {node for body in self.model.bodies for row in self.model.element_sets[body.elements] for node in self.model.elements[row]}
         references = self.rigid.finish(self.prescribed, self.forces, self.value)
         self.list_late(references)
+        self.axes.list_references(references)
+        references = references | self.equations.finish(self.prescribed, self.forces, self.used, references, self.value)
+        self.axes.turn_forces(self.forces)
+        self.axes.take_displacements(self.prescribed, self.used, self.value)
         add_prescribed(self.model, self.diagnostics, self.by_set(references), self.value)
         self.add_forces(references)
         self.loads.finish(nonlinear, self.value)
@@ -273,7 +281,7 @@ class AbaqusConditions:
                 continue
             name = target if isinstance(target, str) else ""
             for row in inside:
-                if (row, component) not in done:
+                if (row, component) not in done and (row, component) in self.forces.course:
                     pieces.setdefault((name, component, self.forces.course[row, component]), []).append(row)
                     done.add((row, component))
             names.setdefault(frozenset(inside), name)

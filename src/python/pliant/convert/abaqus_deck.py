@@ -7,7 +7,7 @@ import re
 from pliant.error import PliantError
 
 MOST_INCLUDES = 20  # of files in files
-WITH_FILE = {"INCLUDE", "NODE", "ELEMENT", "NSET", "ELSET", "SURFACE", "AMPLITUDE"}
+WITH_FILE = {"INCLUDE", "NODE", "ELEMENT", "NSET", "ELSET", "SURFACE", "AMPLITUDE", "EQUATION"}
 NUMBER = re.compile(r"(^|,)\s*[-+.]?\d[^=,]*(,|$)")  # as an entry of its own: a line of data
 
 

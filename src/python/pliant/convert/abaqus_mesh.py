@@ -29,6 +29,7 @@ class AbaqusMesh:
         self.points = []
         self.left_out = collections.Counter()
         self.first_left_out = None
+        self.unsorted = set()  # names of sets of nodes that keep the order of the file
         self.names = {}  # of sets as they were spelled first, by kind and capitals
         self.level, self.parts, self.instances = "model", 0, 0
         self.handlers = {"NODE": self.read_nodes, "ELEMENT": self.read_elements, "NSET": self.read_node_set, "ELSET": self.read_element_set,
@@ -223,6 +224,8 @@ class AbaqusMesh:
 
     def read_node_set(self, card):
         members = self.node_set(card.value("NSET"))
+        if card.has("UNSORTED"):
+            self.unsorted.add(self.define("node", card.value("NSET")))
         if card.has("ELSET"):
             members += [node for e in self.elements(card.value("ELSET"), card.line) for node in self.model.elements[e]]
         self.read_set(card, members, "node")

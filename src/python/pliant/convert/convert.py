@@ -4,7 +4,7 @@ import sys
 
 from pliant.error import PliantError
 
-from . import abaqus, febio, forces, msh
+from . import abaqus, equations, febio, forces, msh
 from ..command_line import Parser, exit_code
 from .input_text import InputText
 from .mesh import Mesh
@@ -93,8 +93,8 @@ def mesh_of(model, diagnostics):
     return mesh
 
 
-def groups_of(model, selection):
-    """Keys that select it, one for each dimension of its groups."""
+def groups_of(model, mesh, selection):
+    """Keys that select it, one for each dimension of its groups, and one for each node that no group can have."""
     if selection is None:
         return [{}]
     if selection.kind == "element":
@@ -102,14 +102,14 @@ def groups_of(model, selection):
     if selection.kind == "face":
         return [{"surface": selection.name}]
     name = model.node_sets[selection.name][0]
-    return [{KEYS[dimension]: name} for dimension in model.dimensions[name]]
+    return [{KEYS[dimension]: name} for dimension in model.dimensions[name]] + [{"box": mesh.box_around(row)} for row in mesh.loose[name]]
 
 
-def attach(model, diagnostics):
+def attach(model, mesh, diagnostics):
     """Names what the rigid bodies hold; those that hold neither one surface nor one volume are left out."""
     for body in list(model.rigid_bodies):
         key = "coupled" if "coupled" in body else "attached"
-        groups = groups_of(model, body[key])
+        groups = groups_of(model, mesh, body[key])
         names = [group[kind] for group in groups for kind in ("surface", "volume") if kind in group]
         if len(groups) == 1 and names:
             body[key] = names
@@ -121,17 +121,18 @@ def attach(model, diagnostics):
 
 
 def input_of(model, mesh, system, mesh_file, diagnostics):
-    attach(model, diagnostics)
+    attach(model, mesh, diagnostics)
     constraints, loads = [], []
     for selection, keys in model.constraints:
-        groups = groups_of(model, selection)
+        groups = groups_of(model, mesh, selection)
         named = {} if selection is None or len(groups) == 1 and "surface" in groups[0] else {"name": selection.name}  # else without a column in the history
         if "rigid" in keys and len(groups) != 1:
             diagnostics.missing(None, f"the nodes of {selection.name} move as a rigid part in the model, and are not one surface or volume: left out")
             continue
         constraints += [{**named, **group, **keys} for group in groups]
+    constraints += equations.equation_entries(model, mesh, diagnostics)
     for selection, keys in model.loads:
-        loads += [{**group, **keys} for group in groups_of(model, selection)]
+        loads += [{**group, **keys} for group in groups_of(model, mesh, selection)]
     loads += forces.add_loads(model, mesh, diagnostics)
     element = "P1" if mesh.is_linear_only else "P2"
     volumetric = volumetric_of(model, element, diagnostics)

@@ -3,6 +3,8 @@ import bisect
 import dataclasses
 import math
 
+SMOOTH_PARTS = 16  # linear ones in place of a smooth one
+
 
 @dataclasses.dataclass(frozen=True)
 class Segment:
@@ -17,6 +19,11 @@ class Segment:
     def at(self, t):
         x = min(max((t - self.start) / (self.end - self.start), 0.0), 1.0) if self.end > self.start else 1.0
         return self.first + (self.last - self.first) * (x**3 * (10 - 15 * x + 6 * x * x) if self.smooth else x)
+
+    @property
+    def corners(self):
+        """Times between which it is linear, or almost."""
+        return [self.start + (self.end - self.start) * k / SMOOTH_PARTS for k in range(SMOOTH_PARTS + 1)] if self.smooth else [self.start, self.end]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -66,7 +73,7 @@ class Course:
             if high <= low:
                 continue
             if s.smooth and (low, high) != (s.start, s.end):
-                times = [low + (high - low) * k / 16 for k in range(17)]
+                times = [low + (high - low) * k / SMOOTH_PARTS for k in range(SMOOTH_PARTS + 1)]
                 cut += [Segment(a, b, s.at(a), s.at(b)) for a, b in zip(times, times[1:])]
             else:
                 cut.append(Segment(low, high, s.at(low), s.at(high), s.smooth))
@@ -75,6 +82,25 @@ class Course:
         if cut[-1].end < end:
             cut.append(Segment(cut[-1].end, end, cut[-1].last, cut[-1].last))
         return Course(tuple(cut))
+
+    def plus(self, other):
+        """The sum; where the parts of the two differ, a smooth one becomes a chain of linear ones."""
+        if other.is_constant:
+            return self.raised(other.at(0.0))
+        if self.is_constant:
+            return other.raised(self.at(0.0))
+        if [(s.start, s.end, s.smooth) for s in self.segments] == [(s.start, s.end, s.smooth) for s in other.segments]:
+            return Course(tuple(dataclasses.replace(s, first=s.first + o.first, last=s.last + o.last) for s, o in zip(self.segments, other.segments)))
+        times = sorted({t for s in self.segments + other.segments for t in s.corners})
+        return Course(tuple(Segment(a, b, self.value_in(a, b, a) + other.value_in(a, b, a), self.value_in(a, b, b) + other.value_in(a, b, b)) for a, b in zip(times, times[1:])))
+
+    def value_in(self, start, end, t):
+        """The value at t in the part that has the interval from `start` to `end`, also where it jumps at one of its ends."""
+        middle = (start + end) / 2
+        index = bisect.bisect_left([s.end for s in self.segments], middle)
+        if index == len(self.segments) or middle < self.segments[0].start:
+            return self.at(middle)
+        return self.segments[index].at(t)
 
     def shifted(self, by):
         return Course(tuple(dataclasses.replace(s, start=s.start + by, end=s.end + by) for s in self.segments))

@@ -2,11 +2,12 @@
 import numpy as np
 
 from .cells import KINDS, tetrahedra_of, triangles_of
-from .model import free_name
+from .model import LENGTH, Quantity, free_name
 
 TETRAHEDRON_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3))  # gmsh's order of the nodes on them
 TRIANGLE_EDGES = ((0, 1), (1, 2), (2, 0))
 EDGE = ((0, 1),)
+NEAR = 1e-6  # of the size of the model: half of the edge of the box around a node
 
 
 class Mesh:
@@ -36,6 +37,7 @@ class Mesh:
         self.mids = self._mid_nodes() if self.quadratic else None
         self._known_faces = None
         self.groups = {3: {}, 2: {}, 1: {}, 0: {}}
+        self.loose = {}  # by the name of a set: its nodes in the middle of edges whose ends are not in it, which no group can have
 
     def _orient(self):
         """Gives all tetrahedra a positive volume; returns how many had a negative one, or none."""
@@ -138,10 +140,12 @@ class Mesh:
             rest[faces[faces >= 0]] = False
         if not self.is_linear_only:
             dimensions += self._name_edges(name, inside, rest)
-        points = self.corners_among(np.flatnonzero(rest[:-1]))
+        left = np.flatnonzero(rest[:-1])
+        points = self.corners_among(left)
         if len(points):
             self._name(0, name, points)
             dimensions.append(0)
+        self.loose[name] = np.setdiff1d(self.of_elements(left), points).tolist()
         return dimensions
 
     def name_points(self, name, rows):
@@ -168,6 +172,16 @@ class Mesh:
         self._name(1, name, edges[:, :2])
         rest[edges.ravel()] = False
         return [1]
+
+    def of_elements(self, rows):
+        """Those of some nodes that belong to elements."""
+        return np.intersect1d(rows, np.concatenate([nodes.ravel() for nodes in self.nodes.values()]))
+
+    def box_around(self, row):
+        """Two opposite corners of a box that has this node alone."""
+        x = self.points[self.cells]
+        half = NEAR * float((x.max(axis=(0, 1)) - x.min(axis=(0, 1))).max())
+        return [[Quantity(float(x) + sign * half, LENGTH) for x in self.points[row]] for sign in (-1, 1)]
 
     def corners_among(self, rows):
         """Those of some nodes that are corners of elements, once each."""

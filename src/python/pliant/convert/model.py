@@ -104,6 +104,7 @@ class Model:
     bodies: list = dataclasses.field(default_factory=list)
     constraints: list = dataclasses.field(default_factory=list)  # (Selection, keys)
     loads: list = dataclasses.field(default_factory=list)  # (Selection or None, keys)
+    equations: list = dataclasses.field(default_factory=list)  # ([(row of a node, component, coefficient)], value or None)
     nodal_forces: list = dataclasses.field(default_factory=list)  # (name of a node set, course or None for each component), on each node
     rigid_bodies: list = dataclasses.field(default_factory=list)  # keys of each; `attached` or `coupled`: a Selection
     initial_velocity: Any = None

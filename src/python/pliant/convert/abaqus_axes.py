@@ -1,0 +1,135 @@
+"""Local axes of nodes (*TRANSFORM) of an input file of Abaqus or CalculiX, and the conditions along them."""
+import numpy as np
+
+from .abaqus_deck import real
+from .model import LENGTH, Selection
+
+MOST_DIRECTIONS = 500  # of one set, along axes that differ from node to node
+SAME = 1e-9
+
+
+class LocalAxes:
+    """Reads *TRANSFORM. The degrees of freedom 1 to 3 of its nodes are along axes of their own."""
+
+    def __init__(self, model, mesh, diagnostics):
+        self.model, self.mesh, self.diagnostics = model, mesh, diagnostics
+        self.systems = {}  # row -> (kind, the six numbers)
+
+    def read(self, card):
+        kind = card.upper("TYPE", "R")[:1]
+        if kind not in ("R", "C"):
+            self.diagnostics.missing(card.line, f"{card.title}, TYPE={card.upper('TYPE')}: conditions on its nodes are along local axes, and stand in the input along x, y, z: "
+                                     "correct them there")
+            return
+        line, entries = card.data[0] if card.data else (card.line, [])
+        a, b = np.array([real(entries, k, line, self.diagnostics, "a coordinate of the local axes") for k in range(6)]).reshape(2, 3)
+        if np.linalg.norm(np.cross(a, b) if kind == "R" else b - a) < SAME * max(np.abs(a).max(), np.abs(b).max(), 1e-300):
+            raise self.diagnostics.wrong(line, f"{card.title}: its two points do not define axes")
+        for row in self.mesh.nodes(card.value("NSET"), card.line):
+            self.systems[row] = (kind, a, b)
+
+    def of(self, row):
+        """The local axes as rows of a matrix, or None."""
+        if row not in self.systems:
+            return None
+        kind, a, b = self.systems[row]
+        if kind == "R":
+            first = a / np.linalg.norm(a)
+            third = np.cross(a, b) / np.linalg.norm(np.cross(a, b))
+            return np.array([first, np.cross(third, first), third])
+        third = (b - a) / np.linalg.norm(b - a)
+        radius = self.model.points[row] - a
+        across = radius - (radius @ third) * third
+        if np.linalg.norm(across) < SAME * max(np.linalg.norm(radius), np.linalg.norm(b - a)):
+            self.diagnostics.missing(None, f"*TRANSFORM, TYPE=C: node {self.mesh.label_of(row)} is on the axis, and has no radial direction: its conditions stand along x, y, z")
+            return None
+        first = across / np.linalg.norm(across)
+        return np.array([first, np.cross(third, first), third])
+
+    def direction(self, row, component):
+        """Of a degree of freedom, 0 to 2."""
+        axes = self.of(row)
+        return np.eye(3)[component] if axes is None else clean(axes[component])
+
+    # ------------------------------------------------------------------ conditions
+    def list_references(self, references):
+        for row in sorted(references & self.systems.keys()):
+            self.diagnostics.missing(None, f"*TRANSFORM of node {self.mesh.label_of(row)}, a reference node: its conditions stand along x, y, z: correct them in the input")
+
+    def turn_forces(self, forces):
+        """Forces along local axes become those along x, y, z."""
+        by_target = {}
+        for target, component in forces.said:
+            for row in forces.rows(target):
+                if component < 3 and row in self.systems and (row, component) in forces.course:
+                    by_target.setdefault(target, {})[row] = None
+        done = set()
+        for target, rows in by_target.items():
+            turned = {}
+            for row in rows.keys() - done:
+                local = {c: forces.course.pop((row, c)) for c in range(3) if (row, c) in forces.course}
+                for c, course in along_axes(local, [self.direction(row, k) for k in range(3)]).items():
+                    turned.setdefault((c, course), []).append(row)
+            done |= rows.keys()
+            for (c, course), some in turned.items():
+                forces.set(target, c, sorted(some), course)
+
+    def take_displacements(self, prescribed, used, value):
+        """Takes the displacements along local axes out of the table and into the model: as prescribed components where the axes are x, y and z or all
+        three are given, else along a direction."""
+        pieces = {}  # target -> row -> {component: course}
+        for target, component, course, rows in prescribed.by_target():
+            for row in rows:
+                if component < 3 and row in self.systems and row in used:
+                    pieces.setdefault(target, {}).setdefault(row, {})[component] = course
+        for target, rows in pieces.items():
+            plain, along = {}, {}
+            for row, local in rows.items():
+                axes = [self.direction(row, k) for k in range(3)]
+                for c in local:
+                    prescribed.course.pop((row, c), None)
+                here = along_axes(local, axes) if len(local) == 3 else {}
+                for c, course in local.items() if not here else ():
+                    if np.count_nonzero(axes[c]) == 1:
+                        here.update(along_axes({c: course}, axes))
+                    else:
+                        along.setdefault((tuple(axes[c]), course), []).append(row)
+                for c, course in here.items():
+                    plain.setdefault((c, course), []).append(row)
+            self.write_plain(prescribed, target, plain)
+            self.write_along(target, along, rows, value)
+
+    @staticmethod
+    def write_plain(prescribed, target, plain):
+        for (c, course), rows in plain.items():
+            prescribed.set(target, c, rows, course)
+
+    def write_along(self, target, along, rows, value):
+        if len(along) > MOST_DIRECTIONS:
+            self.diagnostics.missing(None, f"*TRANSFORM: the displacements of {target} are along more than {MOST_DIRECTIONS} directions: left out")
+            return
+        if len({direction for direction, _ in along}) > 3:
+            self.diagnostics.note(None, f"*TRANSFORM: the displacements of {target} are along directions that differ from node to node, and hold at the nodes of the model alone")
+        for (direction, course), some in along.items():
+            name = target
+            if not isinstance(target, str) or set(some) != set(self.model.node_sets[target]):
+                name = self.model.new_name(target if isinstance(target, str) else "nodes")
+                self.model.node_sets[name] = sorted(some)
+            self.model.constraints.append((Selection("node", name), {"displacement_along": value(course, LENGTH), "direction": [float(x) for x in direction]}))
+
+
+def clean(direction):
+    """Without what is rounding, so that nodes with the same direction are found."""
+    rounded = np.round(direction, 12)
+    return rounded + 0.0
+
+
+def along_axes(local, axes):
+    """Functions of time along x, y, z by component, from those along axes; those that are 0 are among them where all three are given."""
+    result = {}
+    for c, course in local.items():
+        for k in range(3):
+            if axes[c][k]:
+                part = course.scaled(float(axes[c][k]))
+                result[k] = result[k].plus(part) if k in result else part
+    return result
