@@ -534,7 +534,7 @@ class Decks(ConvertTest):
     def test_what_changes_the_result_is_not_complete(self):
         text = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"], pulled(1))
         for card, is_complete in (("*ORIENTATION, NAME=o\n1, 0, 0, 0, 1, 0\n", True), ("*SPRING, ELSET=s\n\n1.\n", False), ("*PLASTIC\n1e3, 0.\n", False), ("*MPC\nBEAM, 9, 10\n", False),
-                                  ("*EXPANSION\n1e-5\n", False), ("*ELEMENT, TYPE=S4\n7, 9, 10, 11, 12\n", False), ("*EMBEDDED ELEMENT\ncube1\n", False)):
+                                  ("*EXPANSION, TYPE=ORTHO\n1e-5, 1e-5, 2e-5\n", False), ("*ELEMENT, TYPE=S4\n7, 9, 10, 11, 12\n", False), ("*EMBEDDED ELEMENT\ncube1\n", False)):
             _, said = self.convert("cubes.inp", text.replace("*SOLID SECTION", card + "*SOLID SECTION"))
             self.assertIn("elements of types" if "S4" in card else card.split(",")[0].split("\n")[0], said)
             self.assertEqual("not complete" in said, not is_complete, said)

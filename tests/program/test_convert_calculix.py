@@ -63,6 +63,23 @@ class Calculix(ConvertTest):
         step = f"*BOUNDARY\nright, 1, 1, 0.02\n{c}, 1, 1, 0.01\n{c}, 2, 3, 0.02\n*CLOAD\n{a}, 3, 2.\n{d}, 2, 3.\n{b}, 2, 1.\n"
         self.check_force(deck(before, step), [-0.8614608, -7.954635, -7.094832])
 
+    def test_temperature(self):
+        """With one coefficient of expansion, and with one that depends on the temperature and counts from another one than that at the start."""
+        before = "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nall, 20.\n*BOUNDARY\nleft, 1, 3\nright, 1, 1\nfront, 2, 2\n"
+        for table, force in (("2e-3", [261.1592, -82.66098, 0]), ("1e-3, 0.\n3e-3, 200.", [306.8620, -97.12665, 0])):
+            material = f"*ELASTIC\n1000., 0.3\n*EXPANSION, ZERO=5.\n{table}\n"
+            self.check_force(deck(before, "*TEMPERATURE\nall, 120.\n", material), force)
+        steps = "*TEMPERATURE\nall, 120.\n*END STEP\n*STEP\n*STATIC\n1., 1.\n*TEMPERATURE, OP=NEW\n"
+        config, _ = self.convert("cube.inp", deck(before, steps, "*ELASTIC\n1000., 0.3\n*EXPANSION\n1e-3\n"))
+        self.assertEqual(config["bodies"][0]["expansion"], {"stretch": "t < 1 ? 1 + 0.1*t : 1.1 - 0.1*(t - 1)"})
+        for card, words in (("*TEMPERATURE\nleft, 120.\n", "*TEMPERATURE: the nodes of cube have different temperatures"), ("*TEMPERATURE, FILE=x\n", "*TEMPERATURE of a file or a subroutine")):
+            _, said = self.convert("cube.inp", deck(before, card, "*ELASTIC\n1000., 0.3\n*EXPANSION\n1e-3\n"))
+            self.assertIn(words, said)
+            self.assertIn("not complete", said)
+        config, said = self.convert("cube.inp", deck(before, "*TEMPERATURE\nall, 120.\n"))
+        self.assertNotIn("not complete", said)
+        self.assertNotIn("expansion", config["bodies"][0])
+
 
 class Cards(ConvertTest):
     """What has no counterpart is listed, and what is wrong is refused."""

@@ -78,14 +78,15 @@ def read(file, diagnostics):
     nonlinear = steps.is_nonlinear or any(m.elasticity and not m.is_linear for m in materials.by_name.values())
     if nonlinear and not steps.is_nonlinear and steps.kind is not None:
         diagnostics.note(None, "no step has NLGEOM: displacements are large in the input, whose laws are not linear")
-    finished = set()
+    finished, material_of = set(), {}
     for name, card in sections:
         name = name if name in model.element_sets else mesh.spelled("element", name)  # a set that is defined after its section
         add_body(model, name, card, materials, (nonlinear, steps), finished, diagnostics)
+        material_of[name] = materials.by_name[card.upper("MATERIAL")]
     without = set(range(len(model.elements))).difference(*(model.element_sets.get(body.elements, ()) for body in model.bodies))
     if model.bodies and without:
         diagnostics.missing(None, f"{len(without)} of {len(model.elements)} elements have no *SOLID SECTION, and are left out with what is on them alone")
-    conditions.finish(nonlinear)
+    conditions.finish(nonlinear, material_of)
     return model
 
 

@@ -6,6 +6,7 @@ from .abaqus_deck import real, whole
 from .abaqus_equations import AbaqusEquations
 from .abaqus_loads import DistributedLoads
 from .abaqus_nodes import NodeTable
+from .abaqus_temperature import AbaqusTemperature
 from .conditions import add_prescribed
 from .course import Course
 from .forces import constant_at_end
@@ -30,18 +31,21 @@ class AbaqusConditions:
         self.loads = DistributedLoads(model, mesh, steps, diagnostics)
         self.axes = LocalAxes(model, mesh, diagnostics)
         self.equations = AbaqusEquations(model, mesh, self.axes, diagnostics)
+        self.temperature = AbaqusTemperature(model, mesh, steps, diagnostics)
         self.velocities = []
         self.lines = {}  # the first one of a target
         self.late = []  # displacements that begin in a later step: (card, line, target, component, rows, time)
         self.begin_step()
         self.handlers = {"BOUNDARY": self.read_boundary, "CLOAD": self.read_forces, "DLOAD": self.loads.read, "DSLOAD": self.loads.read,
-                         "INITIALCONDITIONS": self.read_initial, "TIE": self.read_tie, "EQUATION": self.equations.read, "TRANSFORM": self.axes.read}
+                         "INITIALCONDITIONS": self.read_initial, "TIE": self.read_tie, "EQUATION": self.equations.read, "TRANSFORM": self.axes.read,
+                         "TEMPERATURE": self.temperature.read}
 
     def begin_step(self):
         self.displaced = {}  # in the present step: (row, component) -> the course before it
         self.forced = {}  # the same -> [the course before it, amplitude, value of the step]
         self.new = None  # the first card with OP=NEW of displacements
         self.loads.begin_step()
+        self.temperature.begin_step()
 
     def read(self, card):
         """Whether the card is one of conditions."""
@@ -181,9 +185,11 @@ class AbaqusConditions:
 
     # ------------------------------------------------------------------ other conditions
     def read_initial(self, card):
+        if card.upper("TYPE") == "TEMPERATURE" and card.data and not card.has("FILE"):
+            self.temperature.read_initial(card)
+            return
         if card.upper("TYPE") != "VELOCITY":
-            listed = self.diagnostics.omit if card.upper("TYPE") == "TEMPERATURE" else self.diagnostics.missing  # it acts by *EXPANSION alone
-            listed(card.line, f"{card.title}, TYPE={card.upper('TYPE')}")
+            self.diagnostics.missing(card.line, f"{card.title}, TYPE={card.upper('TYPE')}")
             return
         for line, entries in card.data:
             component = whole(entries[1] if len(entries) > 1 else "", line, self.diagnostics, "the degree of freedom")
@@ -204,8 +210,8 @@ class AbaqusConditions:
             self.model.constraints.append((Selection("face", dependent), keys))
 
     # ------------------------------------------------------------------ the input
-    def finish(self, nonlinear):
-        """Writes constraints, loads and time into the model."""
+    def finish(self, nonlinear, material_of):
+        """Writes constraints, loads, expansion and time into the model. `material_of`: by the set of elements of a body."""
         steps = self.steps
         self.model.end = steps.end
         if steps.kind is None:
@@ -228,6 +234,7 @@ class AbaqusConditions:
         self.add_forces(references)
         self.loads.finish(nonlinear, self.value)
         self.add_velocity()
+        self.temperature.finish(material_of, self.value)
 
     def value(self, course, dimension):
         if self.is_one_state:

@@ -30,6 +30,8 @@ class Material:
     instantaneous: bool = False
     prony: list = dataclasses.field(default_factory=list)
     prony_line: int = 0
+    expansion: list = dataclasses.field(default_factory=list)  # rows: coefficient, temperature
+    expansion_zero: float = 0.0
 
     @property
     def poisson(self):
@@ -44,7 +46,7 @@ class AbaqusMaterials:
         self.by_name = {}
         self.current = None
         self.handlers = {"ELASTIC": self.read_elastic, "HYPERELASTIC": self.read_hyperelastic, "DENSITY": self.read_density,
-                         "VISCOELASTIC": self.read_viscoelastic, "DAMPING": self.read_damping}
+                         "VISCOELASTIC": self.read_viscoelastic, "DAMPING": self.read_damping, "EXPANSION": self.read_expansion}
 
     def read(self, card):
         """Whether the card belongs to a material."""
@@ -67,6 +69,15 @@ class AbaqusMaterials:
         if filled > count + 1:
             self.diagnostics.note(card.line, f"{card.title}: the constants of the first temperature are used")
         return [real(entries, k, card.line, self.diagnostics, what, 0.0) for k in range(count)]
+
+    def read_expansion(self, card):
+        if card.upper("TYPE", "ISO") != "ISO" or card.has("USER"):
+            self.diagnostics.missing(card.line, f"{card.title}, {'USER' if card.has('USER') else 'TYPE=' + card.upper('TYPE')}: `expansion` is the same in all directions")
+            return
+        self.current.expansion = [(real(entries, 0, line, self.diagnostics, "the coefficient of expansion"), real(entries, 1, line, self.diagnostics, "the temperature", 0.0))
+                                  for line, entries in card.data]
+        self.current.expansion.sort(key=lambda row: row[1])
+        self.current.expansion_zero = real([card.value("ZERO")], 0, card.line, self.diagnostics, "ZERO", 0.0)
 
     def read_density(self, card):
         self.current.density = Quantity(self.row(card, 1, "the density")[0], DENSITY)

@@ -61,6 +61,8 @@ class InputText:
                 yield "    rigid: true"
             if body.elasticity is not None:
                 yield f"    elasticity: {self.flow(body.elasticity)}"
+            if body.expansion is not None:
+                yield f"    expansion: {self.flow({'stretch': body.expansion})}"
             if body.viscosity:
                 yield "    viscosity:"
                 yield from (f"      - {self.flow(branch)}" for branch in body.viscosity)

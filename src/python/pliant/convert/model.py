@@ -77,6 +77,7 @@ class Body:
     poisson: float = 0.0
     shape_relaxes: bool = False  # and its volume does not
     is_rigid: bool = False
+    expansion: Any = None  # the stretch of a free body
 
 
 @dataclasses.dataclass
