@@ -799,10 +799,78 @@ class Febio(ConvertTest):
         turn = '<rigid_bc type="rigid_rotation"><rb>2</rb><dof>Ru</dof><value lc="1">0.3</value></rigid_bc>'
         config, _ = self.convert("cubes.feb", self.glued(guided + turn, "<center_of_mass>1,2,3</center_of_mass>"))
         self.assertEqual(config["constraints"][-1]["rigid"], {"translation": ["free", 0, 0], "rotation": {"axis": [1, 0, 0], "angle": "0.3*t"}, "center": [1, 2, 3]})
-        for entry in (push.replace("<load_type>0", "<load_type>1"), push + push, '<rigid_connector type="rigid spherical joint"><body_a>2</body_a></rigid_connector>', turn.replace("2</rb>", "7</rb>")):
+        for entry in (push.replace("<load_type>0", "<load_type>1"), push + push, '<rigid_connector type="rigid contractile force"><body_a>2</body_a></rigid_connector>', turn.replace("2</rb>", "7</rb>")):
             _, said = self.convert("cubes.feb", self.glued(guided + entry))
             self.assertIn("it has no counterpart, or stands in one of several steps", said)
             self.assertIn("not complete", said)
+
+    def mechanism(self, connector, section="Rigid"):
+        """Two rigid cubes, of which the first is held; the center of the second is at (0.5, 9.5, 0.5)."""
+        text = febio_cubes([*self.CUBE, *[("rigid body", "<density>1000</density>")] * 2], "")
+        text = re.sub(r'<bc type="zero displacement" node_set="\w+[23]">.*?</bc>\n', "", text)
+        held = '<rigid_bc type="rigid_fixed"><rb>rubber2</rb>' + "".join(f"<R{axis}_dof>1</R{axis}_dof>" for axis in "xyzuvw") + "</rigid_bc>"
+        both = f"<Rigid>{held}{connector}</Rigid>" if section == "Rigid" else f"<Rigid>{held}</Rigid><{section}>{connector}</{section}>"
+        return text.replace("<Loads>", f"{both}<Loads>")
+
+    @staticmethod
+    def connector(kind, content, tag="rigid_connector"):
+        return f'<{tag} name="j" type="rigid {kind}"><body_a>rubber2</body_a><body_b>3</body_b>{content}<laugon>1</laugon><force_penalty>1e4</force_penalty></{tag}>'
+
+    def test_joints(self):
+        """Prescribed rotations and translations are those of the second body; efforts have FEBio's sign."""
+        hinge = "<joint_origin>0.5,3.5,0.5</joint_origin><rotation_axis>0,0,1</rotation_axis><transverse_axis>1,0,0</transverse_axis>"
+        turned = self.connector("revolute joint", hinge + '<prescribed_rotation>1</prescribed_rotation><rotation lc="1">0.5</rotation><moment>0</moment>')
+        config, said = self.convert("cubes.feb", self.mechanism(turned))
+        self.assertNotIn("not complete", said)
+        self.assertEqual(config["joints"], [{"name": "j", "type": "hinge", "between": ["ground", "cube3"], "point": [0.5, 3.5, 0.5], "axis": [0, 0, 1], "motion": "0.5*t"}])
+        history = self.history("cubes.yaml")
+        self.assertAlmostEqual(history["j_angle"][-1], 0.5, delta=1e-12)
+        self.assertAlmostEqual(history["cube3_x"][-1], 0.5 - 6 * math.sin(0.5), delta=1e-9)
+        self.assertEqual(self.convert("cubes.feb", self.mechanism(turned.replace("rigid_connector", "constraint"), "Constraints"))[0], config)
+        slide = ('<joint_origin>0.5,3.5,0.5</joint_origin><translation_axis>0,1,0</translation_axis>', '<prescribed_translation>1</prescribed_translation><translation lc="1">0.5</translation>')
+        for kind, content, expected in (("prismatic joint", "".join(slide), {"type": "slider", "axis": [0, 1, 0], "motion": "0.5*t"}),
+                                        ("prismatic joint", slide[0] + '<prescribed_translation>0</prescribed_translation><force lc="1">2</force>', {"type": "slider", "axis": [0, 1, 0], "motor": {"effort": "-2*t"}}),
+                                        ("spherical joint", "<joint_origin>0.5,3.5,0.5</joint_origin><prescribed_rotation>0</prescribed_rotation>", {"type": "ball"}),
+                                        ("cylindrical joint", "<joint_origin>0.5,3.5,0.5</joint_origin><joint_axis>0,1,0</joint_axis>", {"type": "cylindrical", "axis": [0, 1, 0]}),
+                                        ("planar joint", "<joint_origin>0.5,3.5,0.5</joint_origin><rotation_axis>0,1,0</rotation_axis>", {"type": "planar", "axis": [0, 1, 0]}),
+                                        ("lock", "<joint_origin>0.5,3.5,0.5</joint_origin><first_axis>1,0,0</first_axis>", {"type": "fixed"}), ("joint", "<joint>0.5,3.5,0.5</joint>", {"type": "ball"})):
+            with self.subTest(kind):
+                config, said = self.convert("cubes.feb", self.mechanism(self.connector(kind, content)))
+                self.assertNotIn("not complete", said)
+                self.assertEqual(config["joints"], [{"name": "j", "between": ["ground", "cube3"], "point": [0.5, 3.5, 0.5], **expected}])
+                self.assertIn(f"j: {expected['type']}, ground - cube3", self.pliant("check", "cubes.yaml", "--set", "time.method=bdf2").stdout)
+        for content, words in ((self.connector("spherical joint", '<prescribed_rotation>1</prescribed_rotation><rotation_x lc="1">1</rotation_x>'), "<prescribed_rotation> of a rigid spherical joint"),
+                               (self.connector("cylindrical joint", ""), "it has no joint_axis"),
+                               (self.connector("lock", "") + '<rigid_bc type="rigid_rotation"><rb>3</rb><dof>Ru</dof><value lc="1">0.3</value></rigid_bc>', "the joint j is left out: it connects cube3, whose"), (self.connector("angular damper", "<c>1</c>"), "it has no counterpart"),
+                               (self.connector("lock", "").replace("<body_b>3", "<body_b>1"), "body_a and body_b must be rigid bodies")):
+            _, said = self.convert("cubes.feb", self.mechanism(content))
+            self.assertIn(words, said)
+            self.assertIn("not complete", said)
+
+    def test_springs_between_rigid_bodies(self):
+        for kind, more, expected in (("spring", "<k>2</k><free_length>0</free_length>", {"stiffness": 2}), ("spring", "<k>2</k><free_length>0.5</free_length>", {"stiffness": 2, "rest": 0.5}),
+                                     ("damper", "<c>3</c>", {"damping": 3})):
+            text = self.mechanism(self.connector(kind, f"<insertion_a>0.5,4,0.5</insertion_a><insertion_b>0.5,6,0.5</insertion_b>{more}").replace("<laugon>1</laugon><force_penalty>1e4</force_penalty>", ""))
+            config, said = self.convert("cubes.feb", text)
+            self.assertNotIn("not complete", said)
+            self.assertEqual(config["springs"], [{"name": "j", "points": [{"body": "cube2", "point": [0.5, 4, 0.5]}, {"body": "cube3", "point": [0.5, 6, 0.5]}], **expected}])
+            self.assertIn("spring", self.pliant("check", "cubes.yaml", "--set", "time.method=bdf2").stdout)
+
+    def test_tied_surfaces(self):
+        """The primary surface follows the secondary one: cubes that touch are pulled as one."""
+        text = febio_cubes(self.CUBE * 2, '<bc type="prescribed displacement" node_set="right2"><dof>x</dof><value lc="1">0.2</value></bc>')
+        text = re.sub(r'<node id="(1[789]|2\d)">([\d.]+),([\d.]+),', lambda m: f'<node id="{m[1]}">{float(m[2]) + 1},{float(m[3]) - 3},', text)
+        text = re.sub(r'<bc type="zero displacement" node_set="\w+2">.*?</bc>\n', "", text)
+        text = text.replace("</Mesh>", '<Surface name="start2"><quad4 id="1">17,21,24,20</quad4></Surface><SurfacePair name="both"><primary>start2</primary><secondary>end1</secondary></SurfacePair></Mesh>')
+        for kind, more, keys in (("tied-elastic", "<penalty>10</penalty>", {}), ("tied-node-on-facet", "<max_distance>0.1</max_distance>", {"tolerance": 0.1})):
+            config, said = self.convert("cubes.feb", text.replace("<Loads>", f'<Contact><contact type="{kind}" surface_pair="both">{more}</contact></Contact><Loads>'))
+            self.assertNotIn("not complete", said)
+            self.assertIn({"surface": "start2", "tied_to": "end1", **keys}, config["constraints"])
+            history = self.history("cubes.yaml")
+            self.assertAlmostEqual(history["right2_fx"][-1] / -history["left1_fx"][-1], 1, delta=1e-7)
+            self.assertGreater(history["right2_fx"][-1], 5e4)
+        _, said = self.convert("cubes.feb", text.replace("<Loads>", '<Contact><contact type="tied-elastic" surface_pair="other"/></Contact><Loads>'))
+        self.assertIn("the surface pair 'other' has not two surfaces of the mesh", said)
 
     def test_load_curves(self):
         curve = "<interpolate>LINEAR</interpolate><points><pt>0,0</pt><pt>1,1</pt></points>"

@@ -183,10 +183,10 @@ def add_rigid_body(node, names, model, reader):
     return name, numbers
 
 
-def contact_hint(section, mesh):
-    """What to write for the interfaces of the section `Contact`."""
+def contact_hint(contacts, mesh):
+    """What to write for interfaces of the section `Contact`."""
     pairs = []
-    for contact in section.each("contact"):
+    for contact in contacts:
         friction = contact.child("fric_coeff")
         names = [name for name in mesh.surface_pairs.get(contact.get("surface_pair"), []) if name]
         if names:
@@ -197,10 +197,16 @@ def contact_hint(section, mesh):
 
 def list_the_rest(root, mesh, diagnostics):
     """What nothing was made of."""
-    for node in root.unused():
+    rest = list(root.unused())
+    contacts = [node for node in rest if node.tag == "contact"]
+    if contacts:
+        diagnostics.missing(contacts[0].line, f"<Contact>: {contact_hint(contacts, mesh)}")
+    for node in rest:
+        if node in contacts:
+            continue
         name = node.get("name")
         kind = node.get("type")
-        reason = contact_hint(node, mesh) if node.tag == "Contact" else SUMMARISED.get(node.tag, "")
+        reason = SUMMARISED.get(node.tag, "")
         if node.tag == "Globals" and all(constant.text in ("0", "") for constants in node.children for constant in constants.children):
             continue
         if node.tag == "symmetric_stiffness" or not node.children and node.text in ("", "0") and not node.attributes:

@@ -44,7 +44,7 @@ class FebioMesh:
         for pair in section.each("SurfacePair"):
             sides = [pair.child(tag) for tag in ("primary", "secondary")]
             self.surface_pairs[pair.get("name")] = [side.text or side.get("surface") for side in sides if side is not None]
-            self.diagnostics.omit(pair.use().line, f"SurfacePair {pair.get('name')}")
+            pair.use()  # what names it is listed, if it is left out
         for unused in ("DiscreteSet", "Edge", "PartList"):
             for node in section.each(unused):
                 self.diagnostics.omit(node.use().line, f"{unused} {node.get('name')}")

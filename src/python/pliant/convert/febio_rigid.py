@@ -4,6 +4,7 @@ import numpy as np
 from .cells import KINDS, tetrahedra_of
 from .conditions import rotation_of
 from .course import Course
+from .febio_joints import FebioJoints
 from .model import FORCE, LENGTH, TORQUE, Quantity, Selection
 
 # Degrees of freedom: translations and rotations of the center of mass, by the names that versions give them.
@@ -18,9 +19,12 @@ class FebioRigid:
     def __init__(self, model, bodies, conditions, diagnostics):
         self.model, self.bodies, self.conditions, self.diagnostics = model, bodies, conditions, diagnostics
         self.motions, self.forces = {}, {}  # {body: {degree of freedom: Course}}
+        self.joints = FebioJoints(model, conditions, lambda name: bodies.get(name, (None,))[0], diagnostics)
 
     def read(self, node):
         """An entry of the section."""
+        if self.joints.read(node):
+            return
         if not self.is_read(node):
             self.diagnostics.missing(node.line, f"<{node.tag} type={node.get('type')}>: it has no counterpart, or stands in one of several steps")
         node.use()
@@ -56,6 +60,7 @@ class FebioRigid:
         return self.bodies.get(name, (None,))[0]
 
     def finish(self):
+        self.joints.finish({body: [motion.get(c) for c in range(6)] for body, motion in self.motions.items()})
         centers = dict(self.bodies.values())
         for body, motion in self.motions.items():
             six = [motion.get(c) for c in range(6)]

@@ -67,6 +67,8 @@ class InputText:
                 yield "    viscosity:"
                 yield from (f"      - {self.flow(branch)}" for branch in body.viscosity)
         yield from self.entries("rigid_bodies", model.rigid_bodies)
+        yield from self.entries("joints", model.joints)
+        yield from self.entries("springs", model.springs)
         yield from self.entries("constraints", constraints)
         yield from self.entries("loads", loads)
         if model.initial_velocity is not None:

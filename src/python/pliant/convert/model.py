@@ -63,7 +63,7 @@ class Quantity:
 
 STRESS, DENSITY, LENGTH, TIME = (1, -1, -2), (1, -3, 0), (0, 1, 0), (0, 0, 1)
 VELOCITY, ACCELERATION, FORCE, FORCE_DENSITY, RATE = (0, 1, -1), (0, 1, -2), (1, 1, -2), (1, -2, -2), (0, 0, -1)
-STIFFNESS, TORQUE = (1, 0, -2), (1, 2, -2)
+STIFFNESS, TORQUE, DAMPING = (1, 0, -2), (1, 2, -2), (1, 0, -1)
 
 
 @dataclasses.dataclass
@@ -108,6 +108,8 @@ class Model:
     equations: list = dataclasses.field(default_factory=list)  # ([(row of a node, component, coefficient)], value or None)
     nodal_forces: list = dataclasses.field(default_factory=list)  # (name of a node set, course or None for each component), on each node
     rigid_bodies: list = dataclasses.field(default_factory=list)  # keys of each; `attached` or `coupled`: a Selection
+    joints: list = dataclasses.field(default_factory=list)  # keys of each
+    springs: list = dataclasses.field(default_factory=list)  # the same
     initial_velocity: Any = None
     time: dict = dataclasses.field(default_factory=dict)
     end: float = 0.0
