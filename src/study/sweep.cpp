@@ -6,6 +6,7 @@
 #include "io/history_reader.hpp"
 #include "io/history_writer.hpp"
 #include "run/summary.hpp"
+#include "study/earlier_runs.hpp"
 #include "study/history_plots.hpp"
 #include "study/latin_hypercube.hpp"
 #include "study/sweep_plots.hpp"
@@ -211,6 +212,9 @@ class Sweep {
       one.directory = directory_ / name;
       cases_.push_back(std::move(one));
     }
+    std::vector<fs::path> runs;
+    for (const Case& one : cases_) runs.push_back(one.directory);
+    refuse_other_runs(directory_, runs);
     make_directory(directory_);
   }
 

@@ -171,6 +171,24 @@ class Sweep(ProgramTest):
         for row, before in zip(self.rows(), rows):
             self.assertEqual(row | {"seconds": 0}, before | {"seconds": 0})
 
+    def test_runs_of_another_sweep_are_not_mixed_with_these(self):
+        """They are refused, with all left as it is; the same sweep may be repeated, and grow at its end."""
+        self.sweep("time.step=[10 ms, 20 ms]", "time.end=40 ms")
+        first = sorted(file.name for file in self.directory.glob("out/*"))
+        (self.directory / "out/03_notes=mine").mkdir()
+
+        def sweep(values, *options):
+            return self.call("sweep", INPUT, "--output", "out", "--set", f"time.step={values}", "--set", "time.end=40 ms", *options)
+
+        for options in ((), ("--continue",)):
+            for values, what in (("[10 ms, 25 ms]", "a run of another sweep, such as 02_step=20_ms"), ("[5 ms, 25 ms]", "2 runs of another sweep, such as 01_step=10_ms")):
+                done = sweep(values, *options)
+                self.assertEqual((done.returncode, done.stdout, done.stderr), (2, "", f"out: it has {what}: name another directory with --output, or remove this one\n"))
+        self.assertEqual(sorted(file.name for file in self.directory.glob("out/*")), sorted([*first, "03_notes=mine"]))
+        self.assertEqual(sweep("[10 ms, 20 ms]").returncode, 0)
+        self.assertEqual(sweep("[10 ms, 20 ms, 40 ms]", "--continue").returncode, 0)
+        self.assertEqual([row["time.step"] for row in self.rows()], ["10 ms", "20 ms", "40 ms"])
+
 
 if __name__ == "__main__":
     unittest.main()
