@@ -68,28 +68,29 @@ class Comparison {
     make_directory(directory);
     std::string table = csv_header({"column", "unit", "run", "largest_difference", "time", "relative_to_range"}) + "\n";
     console_.print(fmt::format("largest differences from {}:", histories_[0].label));
-    std::size_t plots = 0;
+    std::size_t plots = 0, num_equal = 0;
     for (const std::string& column : columns_) {
       Plot plot{column + ", differences from " + histories_[0].label,
                 axis_label(histories_),
                 with_unit(histories_, column),
                 {}};
       plot.scale = Scale::linear;
+      bool is_equal = true;
       for (auto other = std::next(histories_.begin()); other != histories_.end(); ++other) {
         const auto found = difference(histories_[0].table, other->table, column);
+        is_equal = is_equal && found && found->largest == 0.0;
         if (!found) {
           console_.print(fmt::format("  {}: {} and {} do not both have it, or have no time in common", column,
                                      histories_[0].label, other->label));
           continue;
         }
         const double relative = relative_to_range(column, found->largest);
-        console_.print(fmt::format("  {}: {:+.6g} in {} at {}{}", with_unit(histories_, column), found->largest,
-                                   other->label, instant_text(histories_[0].abscissa, found->at),
-                                   std::isnan(relative) ? "" : fmt::format(", {:.2g} of its range", relative)));
+        if (found->largest != 0.0) print_difference(column, other->label, *found);
         table += csv_header({column, unit_of_column(histories_, column), other->label}) + "," +
                  csv_row(std::vector<double>{found->largest, found->at, relative}) + "\n";
         plot.series.push_back({other->label, found->time, found->value});
       }
+      num_equal += is_equal ? 1 : 0;
       plots += draw_column(histories_, column, directory) ? 1 : 0;
       if (std::ranges::all_of(plot.series,
                               [](const PlotSeries& s) { return std::ranges::count(s.y, 0.0) == std::ssize(s.y); }))
@@ -97,6 +98,7 @@ class Comparison {
       write_text_atomically(directory / (file_name_of(column) + "_difference.svg"), svg(plot));
       ++plots;
     }
+    print_equal(num_equal);
     write_text_atomically(directory / "compare.csv", table);
     console_.print(fmt::format("results: {0}/compare.csv, {1} plots {0}/*.svg", directory.string(), plots));
     return ExitCode::done;
@@ -125,6 +127,19 @@ class Comparison {
                                    axis_label(histories_.back().abscissa), options_.runs.front(),
                                    axis_label(histories_.front().abscissa)));
     }
+  }
+
+  void print_difference(const std::string& column, const std::string& run, const Difference& found) const {
+    const double relative = relative_to_range(column, found.largest);
+    console_.print(fmt::format("  {}: {:+.6g} in {} at {}{}", with_unit(histories_, column), found.largest, run,
+                               instant_text(histories_[0].abscissa, found.at),
+                               std::isnan(relative) ? "" : fmt::format(", {:.2g} of its range", relative)));
+  }
+
+  void print_equal(std::size_t count) const {
+    if (count == 0) return;
+    const std::string many = count == 1 ? "1 column is" : fmt::format("{} columns are", count);
+    console_.print(fmt::format("  {} equal", count == columns_.size() && count > 1 ? "all " + many : many));
   }
 
   /// Runs of the same name are called by what the user gave, and the same runs by their numbers too.

@@ -47,7 +47,8 @@ class Compare(ProgramTest):
         between = np.interp(fine["time"], coarse["time"], coarse["tip_z"]) - fine["tip_z"]
         self.assertAlmostEqual(float(row["largest_difference"]), between[np.argmax(np.abs(between))], delta=1e-12)
         # A run differs from itself by nothing, and two of the same name are told apart.
-        self.compare("coarse", "coarse", "coarse", "--output", "same")
+        same = self.compare("coarse", "coarse", "coarse", "--output", "same").stdout
+        self.assertRegex(same, r"\Alargest differences from \S+ \(1\):\n  all \d+ columns are equal\nresults: ")
         with open(self.directory / "same/compare.csv", encoding="utf-8", newline="") as file:
             same = list(csv.DictReader(file))
         self.assertEqual({float(row["largest_difference"]) for row in same}, {0.0})
@@ -60,6 +61,17 @@ class Compare(ProgramTest):
             told = self.compare(*arguments, code=code)
             self.assertIn(expected, told.stderr)
             self.assertEqual(told.stderr.count("\n"), 1)
+
+    def test_columns_that_are_equal_are_counted(self):
+        """One that differs in one of two runs is not among them; the table has all."""
+        for name, b in (("one", 3), ("two", 3), ("three", 4)):
+            (self.directory / name).mkdir()
+            self.write(f"{name}/history.csv", f"step,time,a,b,c\n0,0,1,2,0\n1,1,2,{b},0\n")
+        self.assertEqual(self.compare("one", "two", "three", "--output", "all").stdout.split("\n")[1:3], ["  b: +1 in three at t = 1 s, 1 of its range", "  2 columns are equal"])
+        self.assertIn("\n  1 column is equal\n", self.compare("one", "two", "--of", "a", "--output", "all").stdout)
+        self.assertNotIn("equal", self.compare("one", "three", "--of", "b", "--output", "all").stdout)
+        self.compare("one", "two", "three", "--output", "all")
+        self.assertEqual(len((self.directory / "all/compare.csv").read_text().split()), 1 + 3 * 2)
 
     def test_units_of_columns(self):
         """Those of columns from fields follow from the input, those of motors from the columns of their joints; plots have handy ones."""
