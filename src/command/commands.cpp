@@ -87,9 +87,10 @@ void describe_communication(const NodeLayout& layout, Lines& lines) {
                   minimum(layout.comm, neighbours), maximum(layout.comm, neighbours)));
 }
 
+/// Waves take time with inertia alone.
 void describe_time_scales(const Model& model, const Config& config, Lines& lines) {
   const auto& [fastest, slowest] = model.wave_speeds();
-  if (!(fastest > 0.0) || analysis_of(config) == Analysis::static_equilibrium) return;
+  if (!(fastest > 0.0) || analysis_of(config) != Analysis::dynamic) return;
   const auto& b = model.mesh_report().bounds;
   const double length = std::max({b[3] - b[0], b[4] - b[1], b[5] - b[2]});
   const double across = length / slowest;

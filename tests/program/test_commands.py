@@ -62,6 +62,12 @@ class Commands(ProgramTest):
             self.assertIn(f"    {key.split(':')[0]}: ", text)
             self.assertRegex(text, "shear_modulus: 1000, .*relaxation_time: 0.1" if "maxwell" in key else r'stretch: "?1 \+ 0\.1\*t')
 
+    def test_check_without_inertia_has_no_waves(self):
+        write_box(self.directory / "bar.msh", (2, 1, 1), (1, 0.2, 0.2))
+        for time, has_waves in (("{method: bdf2, step: 0.01, end: 1}", True), ("{method: quasistatic, step: 0.01, end: 1}", False), ("{method: static}", False)):
+            text = self.text("check", self.write("bar.yaml", INPUT.replace("{method: bdf2, step: 0.01, end: 1}", time)))
+            self.assertEqual(("time scales" in text, "wave" in text, "suggested step" in text), (has_waves,) * 3)
+
     def test_check_of_the_inputs_of_studies(self):
         for file in sorted((ROOT / "input/convergence").glob("*.yaml")):  # the others are run by their tests
             with self.subTest(file.name):
