@@ -96,6 +96,7 @@ Json json_of(const PackedMechanisms& mechanisms, Page& page) {
 
 Json json_of(const PackedField& field, Page& page) {
   Json json{{"name", field.name}, {"unit", field.unit}};
+  if (!field.absent.empty()) json["absent"] = field.absent;
   for (const auto& scale : field.scales) json["scales"].push_back(json_of(scale));
   for (const auto& of_mesh : field.values) {
     Json blocks = Json::array();

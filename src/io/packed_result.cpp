@@ -5,11 +5,14 @@
 #include "io/body_surface.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <set>
 #include <span>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -290,6 +293,25 @@ class Packer {
     return scales;
   }
 
+  /// Bodies on which a field is exactly 0 in all frames. What a body always has, its motion, may be 0 all the time.
+  std::vector<int> bodies_without(std::size_t channel) const {
+    constexpr std::array<std::string_view, 3> of_all{"displacement", "velocity", "acceleration"};
+    if (std::ranges::find(of_all, channels_[channel].name) != of_all.end()) return {};
+    std::set<int> drawn, with;
+    for (const auto& frame : frames_) {
+      const std::vector<std::int32_t>& bodies = scenes_[frame.frame.mesh].surface.bodies;
+      drawn.insert(bodies.begin(), bodies.end());
+      for (const auto& values : frame.of_channels[channel]) {
+        for (std::size_t v = 0; v < values.size(); ++v) {
+          if (values[v] != 0.0F) with.insert(bodies[v]);
+        }
+      }
+    }
+    std::vector<int> without;
+    std::ranges::set_difference(drawn, with, std::back_inserter(without));
+    return without;
+  }
+
   void encode(const std::vector<std::size_t>& kept) {
     packed_.meshes.clear();
     packed_.frames.clear();
@@ -307,7 +329,7 @@ class Packer {
     }
     for (const std::size_t i : kept) packed_.frames.push_back(frames_[i].frame);
     for (std::size_t k = 0; k < channels_.size(); ++k) {
-      PackedField field{channels_[k].name, channels_[k].source.unit, scales_of(k), {}};
+      PackedField field{channels_[k].name, channels_[k].source.unit, scales_of(k), {}, bodies_without(k)};
       for (std::size_t m = 0; m < scenes_.size(); ++m) {
         auto& texts = field.values.emplace_back();
         for (std::size_t c = 0; c < field.scales.size(); ++c) {

@@ -36,6 +36,8 @@ struct PackedField {
   std::string unit;
   std::vector<Quantisation> scales;              ///< of each component
   std::vector<std::vector<std::string>> values;  ///< by mesh and component
+  /// Numbers of bodies that do not have it, as rigid ones have no stress: it is 0 there in all frames.
+  std::vector<int> absent;
 };
 
 struct PackedResult {

@@ -98,13 +98,15 @@ export class Points {
     this.fill(at);
   }
 
-  /// Lowest and highest value of the colours now, of what is shown.
+  /// Lowest and highest value of the colours now, of the bodies that are shown and have the field.
   findExtremes(at) {
     this.extremes = [];
     const { values } = this.view, { shown } = this.panel;
     if (!this.panel.marksExtremes || !values || !shown.kind) return;
+    const { absent } = (this.panel.byField && this.panel.bodies.fields[this.panel.now.field]) || {}, isWithout = (v) => absent?.includes(at.surface.bodies[v]);
     let low = -1, high = -1;
     for (let v = 0; v < values.length; ++v) {
+      if (isWithout(v)) continue;
       if (!(low < 0 || values[v] < values[low] || values[v] > values[high]) || !this.view.isShown(at.surface, v)) continue;
       if (low < 0 || values[v] < values[low]) low = v;
       if (high < 0 || values[v] > values[high]) high = v;

@@ -12,7 +12,7 @@ import numpy as np
 from PIL import Image
 
 from browser import CHROMIUM, Browser
-from program import ROOT, ProgramTest, write_box
+from program import ROOT, ProgramTest, box, write_box, write_mesh
 from report_file import ReportFile
 
 INPUT = """
@@ -143,6 +143,24 @@ class ReportControls(ProgramTest):
         self.assertNotEqual(browser.evaluate("pliant.points.extremes.map(e => e.text).join()"), f"{low[1]},{high[1]}")
         browser.click("#show-extremes")
         self.assertEqual(browser.evaluate("document.querySelectorAll('.extreme').length"), 0)
+
+    def test_extremes_of_stress_are_not_on_rigid_bodies(self):
+        """They have none, and its zeros there are not the lowest stress; a displacement they have. The rigid end shares its nodes with the bar."""
+        points, triangles, cells = box((8, 2, 2), (1, 0.2, 0.2))
+        write_mesh(self.directory / "bar.msh", points, triangles, cells, (["body", "end"], (points[cells, 0].mean(axis=1) > 0.75).astype(int)))
+        self.run_input(self.write("bar.yaml", INPUT.replace("constraints:", "  - {volume: end, density: 1200, rigid: true}\nconstraints:").replace("end: 0.1", "end: 30 ms")))
+        done = self.call("report", self.directory / "out")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        browser = self.open(page=self.directory / "out/report.html")
+        browser.evaluate("pliant.player.seek(0.03)")
+        browser.click("#show-extremes")
+        body_of = "pliant.points.extremes.map(e => pliant.bodies.names[pliant.bodies.surfaces[0].bodies[e.vertex]])"
+        for name in ("Von Mises stress", "Mean stress"):
+            browser.choose("#colour", name)
+            self.assertEqual(browser.evaluate(body_of), ["body", "body"], name)
+        self.assertNotIn("min 0 ", browser.evaluate("pliant.points.extremes.map(e => e.text + ' ').join()"))
+        browser.choose("#colour", "Displacement")
+        self.assertEqual(browser.evaluate(body_of)[1], "end")
 
     def test_points(self):
         browser = self.open()
