@@ -68,6 +68,7 @@ class Comparison {
     make_directory(directory);
     std::string table = csv_header({"column", "unit", "run", "largest_difference", "time", "relative_to_range"}) + "\n";
     console_.print(fmt::format("largest differences from {}:", histories_[0].label));
+    const ColumnPlots drawn(histories_, directory);
     std::size_t plots = 0, num_equal = 0;
     for (const std::string& column : columns_) {
       Plot plot{column + ", differences from " + histories_[0].label,
@@ -91,7 +92,7 @@ class Comparison {
         plot.series.push_back({other->label, found->time, found->value});
       }
       num_equal += is_equal ? 1 : 0;
-      plots += draw_column(histories_, column, directory) ? 1 : 0;
+      plots += drawn.draw(column) ? 1 : 0;
       if (std::ranges::all_of(plot.series,
                               [](const PlotSeries& s) { return std::ranges::count(s.y, 0.0) == std::ssize(s.y); }))
         continue;

@@ -6,12 +6,16 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <string_view>
+#include <tuple>
+#include <utility>
 
 namespace pliant {
 namespace {
 
 constexpr std::array<std::string_view, 5> bookkeeping{"step", "time", "dt", "newton_iterations", "linear_iterations"};
+constexpr double rounding = 1e-12;  // of the largest value of the same unit
 
 }  // namespace
 
@@ -39,24 +43,45 @@ std::string file_name_of(std::string text) {
   return text.substr(0, longest);
 }
 
-bool draw_column(std::span<const LabelledHistory> histories, const std::string& column,
-                 const std::filesystem::path& directory) {
+ColumnPlots::ColumnPlots(std::span<const LabelledHistory> histories, std::filesystem::path directory)
+    : histories_(histories), directory_(std::move(directory)), largest_{{"rad", 1.0}} {
+  for (const std::string& column : columns_of(histories_)) {
+    double& largest = largest_[unit_of_column(histories_, column)];
+    for (const LabelledHistory& history : histories_) {
+      const auto* values = history.table.find(column);
+      if (values == nullptr) continue;
+      for (const double value : *values) largest = std::isfinite(value) ? std::max(largest, std::abs(value)) : largest;
+    }
+  }
+  largest_[""] = 0.0;  // those without a unit have nothing in common
+}
+
+bool ColumnPlots::varies(const std::vector<double>& values, const std::string& unit) const {
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (const double value : values) {
+    if (std::isfinite(value)) std::tie(low, high) = std::pair{std::min(low, value), std::max(high, value)};
+  }
+  if (!(high > low)) return false;
+  return high - low > rounding * std::max({largest_.at(unit), std::abs(low), std::abs(high)});
+}
+
+bool ColumnPlots::draw(const std::string& column) const {
   Plot plot;
   plot.title = column;
-  plot.x_label = axis_label(histories);
-  plot.y_label = with_unit(histories, column);
+  plot.x_label = axis_label(histories_);
+  plot.y_label = with_unit(histories_, column);
   plot.scale = Scale::linear;
-  bool varies = false;
-  for (const LabelledHistory& history : histories) {
+  const std::string unit = unit_of_column(histories_, column);
+  bool is_seen = false;
+  for (const LabelledHistory& history : histories_) {
     const HistoryTable& table = history.table;
     const auto *time = table.find("time"), *values = table.find(column);
     if (time == nullptr || values == nullptr || values->empty()) continue;
-    const auto [low, high] = std::ranges::minmax(*values);
-    varies = varies || high > low;
+    is_seen = is_seen || varies(*values, unit);
     plot.series.push_back({history.label, *time, *values});
   }
-  if (varies) write_text_atomically(directory / (file_name_of(column) + ".svg"), svg(plot));
-  return varies;
+  if (is_seen) write_text_atomically(directory_ / (file_name_of(column) + ".svg"), svg(plot));
+  return is_seen;
 }
 
 }  // namespace pliant

@@ -4,6 +4,7 @@
 #include "study/labelled_history.hpp"
 
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,9 +20,22 @@ bool is_bookkeeping(const std::string& column);
 /// A name that every file system takes.
 std::string file_name_of(std::string text);
 
-/// Writes DIRECTORY/COLUMN.svg, the column of all histories over what they count as time, unless it varies in none of
-/// them. Returns whether it did. Not collective.
-bool draw_column(std::span<const LabelledHistory> histories, const std::string& column,
-                 const std::filesystem::path& directory);
+/// Plots of columns of histories, which outlive it.
+class ColumnPlots {
+ public:
+  ColumnPlots(std::span<const LabelledHistory> histories, std::filesystem::path directory);
+
+  /// Writes DIRECTORY/COLUMN.svg, the column of all histories over what they count as time, unless it varies in none of
+  /// them. Returns whether it did. Not collective.
+  bool draw(const std::string& column) const;
+
+ private:
+  /// Whether values vary by more than rounding, next to those of all columns with this unit.
+  bool varies(const std::vector<double>& values, const std::string& unit) const;
+
+  std::span<const LabelledHistory> histories_;
+  std::filesystem::path directory_;
+  std::map<std::string, double> largest_;  ///< magnitude, by unit
+};
 
 }  // namespace pliant

@@ -396,9 +396,10 @@ class Sweep {
 
   /// One plot for each column that varies in some run, and those of each result. Returns how many.
   std::size_t draw() const {
+    const ColumnPlots drawn(histories_, directory_);
     std::size_t count = 0;
     for (const std::string& name : history_columns()) {
-      if (!is_bookkeeping(name) && draw_column(histories_, name, directory_)) ++count;
+      if (!is_bookkeeping(name) && drawn.draw(name)) ++count;
     }
     for (const RunNumber& result : options_.results) {
       SweptResult found{result.name, result.unit(histories_), {}};

@@ -99,6 +99,27 @@ class Compare(ProgramTest):
         self.assertEqual({column: plot.unit_of_column(column, taken, history) for column in units}, units)
         self.assertEqual(taken["pull"][0], "integral of first Piola-Kirchhoff stress xx in right")
 
+    def test_rounding_is_drawn_as_nothing(self):
+        """Next to other columns of its unit, at a value too; what is small on its own is drawn. An angle is compared with 1 rad."""
+        columns = {"tip_x": (1.0, 1.0 + 2e-16, 1.0), "tip_uy": (0.0, 3e-19, -1e-19), "tip_uz": (0.0, 1e-3, 2e-3), "left_fx": (0.0, 1e-19, 2e-19), "knee_angle": (0.0, 1e-17, -1e-17)}
+        for name in ("one", "two"):
+            (self.directory / name).mkdir()
+            self.write(f"{name}/history.csv", ",".join(["step", "time", *columns]) + "\n" + "".join(
+                f"{k},{k}," + ",".join(repr(values[k]) for values in columns.values()) + "\n" for k in range(3)))
+        self.compare("one", "two", "--output", "both")
+        self.assertEqual(sorted(file.name for file in self.directory.glob("both/*.svg")), ["left_fx.svg", "tip_uz.svg"])
+        sys.path.insert(0, str(ROOT / "src/python"))
+        from pliant import History
+        from pliant.pictures import plot
+        history = History(self.directory / "one")
+        for column in columns:
+            figure = plot.draw(history, "", {}, columns=[column])
+            low, high = figure.axes[0].get_ylim()
+            line = figure.axes[0].lines[0].get_ydata()
+            share = np.ptp(line) / (high - low)
+            self.assertTrue(share > 0.8 if column in ("tip_uz", "left_fx") else share < 1e-6, (column, share))
+            plot.plt.close(figure)
+
     def test_results_of_a_sweep(self):
         done = self.call("sweep", INPUT, "--output", "out", "--set", "bodies.0.density=[900, 1000]", "--set",
                          "time.method=[bdf2, backward-euler]", "--set", "time.end=40 ms", "--result", "lowest=min(tip_z)", "--result",

@@ -1,5 +1,6 @@
 """Draws the history of a run: energies and their balance, probes, forces, cavities, joints and tendons, and what each step cost."""
 import os
+import re
 
 import matplotlib
 import numpy as np
@@ -27,10 +28,36 @@ STYLE = {
 }
 ENERGIES = ("kinetic_energy", "elastic_energy", "load_potential", "dissipated_energy", "numerical_dissipation", "load_work")
 
+ROUNDING, SEEN = 1e-12, 1e-6  # of the largest value of a unit: what counts as constant, and half of the axis that it is drawn on
+
 
 def changes(values):
     """Does it vary by more than rounding?"""
     return np.ptp(values) > 1e-12 * max(np.abs(values).max(), 1e-300)
+
+
+def scales(history, taken):
+    """The largest magnitude of all columns of a unit, by unit; angles are compared with 1 rad. `taken`: as of columns_from_fields."""
+    found = {"rad": 1.0}
+    for name in history:
+        unit, values = unit_of_column(name, taken, history), history[name][np.isfinite(history[name])]
+        if unit and len(values):
+            found[unit] = max(found.get(unit, 0.0), float(np.abs(values).max()))
+    return found
+
+
+def flatten_noise(axes, largest):
+    """Lines that vary by no more than rounding, next to all columns of their unit, are drawn flat: the axis is as wide as what can be seen of these. `largest`: as of scales."""
+    unit = re.search(r"\[([^\]]+)\]$", axes.get_ylabel())
+    values = np.concatenate([np.zeros(0), *(np.asarray(line.get_ydata(), float) for line in axes.lines)])
+    values = values[np.isfinite(values)]
+    if not len(values) or axes.get_yscale() != "linear" or not axes.get_autoscaley_on():
+        return
+    scale = max(largest.get(unit[1], 0.0) if unit else 0.0, np.abs(values).max())
+    if 0 < np.ptp(values) <= ROUNDING * scale:
+        middle = (values.min() + values.max()) / 2
+        axes.set_ylim(middle - SEEN * scale, middle + SEEN * scale)
+        axes.dataLim.intervaly = axes.get_ylim()  # which handy units follow
 
 
 def triples(history, suffixes):
@@ -62,6 +89,8 @@ def draw_balance(axes, time, history):
     axes.plot(time, error / turnover if relative else error, color=COLOURS[1])
     axes.axhline(0, color="#8b919b", linewidth=0.8)
     axes.set_ylabel("error / largest energy change" if relative else "error [J]")
+    if relative and np.abs(error).max() <= ROUNDING * turnover:
+        axes.set_ylim(-SEEN, SEEN)
 
 
 def draw_lines(axes, time, title, label, lines):
@@ -250,8 +279,10 @@ def draw(history, title, taken, counts="", columns=(), x=None):
     figure, grid = plt.subplots(num_rows, num_columns, figsize=size, squeeze=False, layout="constrained")
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)
     figure.suptitle(title, x=0.012, ha="left", fontsize=13, fontweight="bold")
+    largest = scales(history, taken)
     for axes, drawing in zip(grid.flat, drawings):
         drawing(axes, history["time"], history)
+        flatten_noise(axes, largest)
         if not axes.get_xlabel():
             axes.margins(x=0.01)
             axes.set_xlabel(LABELS[counts])
