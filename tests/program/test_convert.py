@@ -726,6 +726,28 @@ class References(ConvertTest):
         self.assertAlmostEqual(self.history("cubes.yaml", "probes=[{name: tip, point: [0, 5, 0]}]")["tip_uy"][-1], 0.4, delta=1e-9)
         self.fails(text.replace("0., 4., 2., 90.", "0., 4., 0., 90."), r"cubes.inp:\d+: a rotation of an instance has two different points on its axis")
 
+    def test_several_instances(self):
+        """Two bricks of one part, the second rotated by 180 degrees about an axis between them, and tied to the first: they are one bar."""
+        material, energy = ABAQUS["neo-Hooke"]
+        flat = abaqus_cubes([material], "")
+        part = re.search(r"(?s)\*NODE.*?(?=\*BOUNDARY)", flat)[0] + "*SOLID SECTION, ELSET=cube1, MATERIAL=m\n"
+        text = (f"*PART, NAME=p\n{part}*END PART\n*PART, NAME=unused\n*NODE\n1, 0, 0, 0\n*END PART\n*ASSEMBLY, NAME=a\n*INSTANCE, NAME=one, PART=P\n*END INSTANCE\n"
+                "*INSTANCE, NAME=two, PART=p\n0., 0., 0.\n1., 3.5, 0., 1., 3.5, 1., 180.\n*END INSTANCE\n*NSET, NSET=grip, INSTANCE=two\n9, 12, 13, 16\n"
+                "*ELSET, ELSET=_both, INSTANCE=one, INTERNAL\n1\n*ELSET, ELSET=_both, INSTANCE=two, INTERNAL\n1\n*TIE, NAME=t\ntwo.end1, one.end1\n*END ASSEMBLY\n"
+                f"*MATERIAL, NAME=m\n{material}*BOUNDARY\none.left1, 1\none.front1, 2\nONE.bottom1, 3\ntwo.Bottom1, 3\n*STEP, NLGEOM\n*STATIC\n0.25, 1.\n*BOUNDARY\ngrip, 1, 1, 0.8\n*END STEP\n")
+        config, said = self.convert("cubes.inp", text)
+        self.assertNotIn("not complete", said)
+        self.assertEqual([body["volume"] for body in config["bodies"]], ["one_cube1", "two_cube1"])
+        self.assertIn({"surface": "two_end1", "tied_to": "one_end1"}, config["constraints"])
+        history = self.history("cubes.yaml")
+        self.assertAlmostEqual(history["grip_fx"][-1] / uniaxial_force(energy), 1, delta=2e-6)
+        one_node = text.replace("grip, 1, 1, 0.8\n", "one.10, 2, 2, 0.1\n")
+        self.assertEqual(self.convert("cubes.inp", one_node)[0]["constraints"][-1]["displacement"], ["free", "0.1*t", "free"])
+        for change, words in ((("PART=P", "PART=q"), "the part 'q' of the instance 'one' is not defined"), (("NAME=two", "NAME=One"), "a second instance has the name 'One'"),
+                              (("two.end1, one.end1\n", "three.end1, one.end1\n"), None), (("NAME=unused", "NAME=p"), "a second part has the name 'p'"), (("grip, 1", "three.grip, 1"), None)):
+            if words:
+                self.fails(text.replace(*change), rf"cubes.inp:\d+: {words}")
+
     def test_what_has_no_counterpart_is_listed(self):
         for kind, words in (("*KINEMATIC\n1, 1\n", "*KINEMATIC of some degrees of freedom"), ("", "node 500, which belongs to no element")):
             config, said = self.convert("cubes.inp", abaqus_cubes(["*ELASTIC\n1e5, 0.3\n"], "*STATIC\n0.5, 1.\n*CLOAD\n500, 1, 1.\n", self.MORE + kind))

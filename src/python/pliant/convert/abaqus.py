@@ -1,6 +1,7 @@
 """Reads an input file of Abaqus or CalculiX."""
 import os
 
+from .abaqus_assembly import assembled, has_several_instances
 from .abaqus_conditions import AbaqusConditions
 from .abaqus_deck import read_cards
 from .abaqus_materials import AbaqusMaterials
@@ -18,21 +19,22 @@ WITHOUT_EFFECT = {"SURFACEINTERACTION", "SURFACEBEHAVIOR", "FRICTION", "ORIENTAT
                   "BEAMGENERALSECTION", "PHYSICALCONSTANTS", "DISTRIBUTION", "DISTRIBUTIONTABLE", "CONSTRAINTCONTROLS", "CONTACTINITIALIZATION", "CONDUCTIVITY",
                   "SPECIFICHEAT", "CONTACTCONTROLS", "CONTACTPROPERTYASSIGNMENT", "CONTACTINCLUSIONS", "SURFACEPROPERTYASSIGNMENT"}
 STRUCTURE = {"PART", "ENDPART", "INSTANCE", "ENDINSTANCE", "ASSEMBLY", "ENDASSEMBLY", "STEP", "ENDSTEP"}
-FIRST = {"NODE": 0, "ELEMENT": 1}
+FIRST = {"NODE": 0, "ELEMENT": 1, "SOLIDSECTION": 3}
+OTHERS = 2  # their place
 CONTROLS = {"CONTROLS", "SOLVERCONTROLS", "HOURGLASSSTIFFNESS", "SECTIONCONTROLS"}
 
 
 def in_order(cards):
-    """Nodes, then elements, come before what names them, within a part, an instance or the assembly; the file may have any order."""
+    """Nodes, then elements, come before what names them, and sections after sets, within a part, an instance or the assembly; the file may have any order."""
     block = []
     for card in cards:
         if card.keyword in STRUCTURE:
-            yield from sorted(block, key=lambda one: FIRST.get(one.keyword, len(FIRST)))
+            yield from sorted(block, key=lambda one: FIRST.get(one.keyword, OTHERS))
             yield card
             block = []
         else:
             block.append(card)
-    yield from sorted(block, key=lambda one: FIRST.get(one.keyword, len(FIRST)))
+    yield from sorted(block, key=lambda one: FIRST.get(one.keyword, OTHERS))
 
 
 def read(file, diagnostics):
@@ -43,7 +45,9 @@ def read(file, diagnostics):
     conditions = AbaqusConditions(model, mesh, steps, rigid, diagnostics)
     sections, output, controls = [], [], []
     interaction, friction = "", {}
-    for card in in_order(read_cards(file, diagnostics)):
+    cards = read_cards(file, diagnostics)
+    mesh.has_several = has_several_instances(cards)
+    for card in in_order(assembled(cards, diagnostics) if mesh.has_several else cards):
         if card.keyword == "PARAMETER":
             raise diagnostics.wrong(card.line, f"{card.title}: names of numbers are not supported: write the numbers in place of <name>")
         if mesh.read(card) or materials.read(card) or rigid.read(card) or conditions.read(card) or steps.read(card):

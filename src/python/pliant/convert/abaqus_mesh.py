@@ -24,7 +24,7 @@ class AbaqusMesh:
 
     def __init__(self, model, diagnostics):
         self.model, self.diagnostics = model, diagnostics
-        self.row_of_node, self.row_of_element = {}, {}
+        self.tables = {"": ({}, {})}  # rows of nodes and of elements by number; of several instances by their names in capitals
         self.row_of_reference = {}  # of nodes of the assembly, which has numbers of its own
         self.points = []
         self.left_out = collections.Counter()
@@ -32,6 +32,8 @@ class AbaqusMesh:
         self.unsorted = set()  # names of sets of nodes that keep the order of the file
         self.names = {}  # of sets as they were spelled first, by kind and capitals
         self.level, self.parts, self.instances = "model", 0, 0
+        self.has_several = False  # instances, each with the cards of its part (abaqus_assembly.py)
+        self.scope, self.placed = "", None  # of several instances the one that is read: its name in capitals; its card, name and first row
         self.handlers = {"NODE": self.read_nodes, "ELEMENT": self.read_elements, "NSET": self.read_node_set, "ELSET": self.read_element_set,
                          "SURFACE": self.read_surface, "PART": self.enter_part, "INSTANCE": self.enter_instance,
                          "ENDINSTANCE": self.leave_instance, "ENDPART": self.leave, "ASSEMBLY": self.enter_assembly, "ENDASSEMBLY": self.leave}
@@ -53,48 +55,68 @@ class AbaqusMesh:
             self.diagnostics.missing(self.first_left_out, "elements of types without a counterpart: "
                                   + ", ".join(f"{count} {name}" for name, count in self.left_out.items()))
 
+    @property
+    def row_of_node(self):
+        return self.tables[self.scope][0]
+
+    @property
+    def row_of_element(self):
+        return self.tables[self.scope][1]
+
     def spelled(self, kind, name):
         """The name of the set that a reference means, as it was spelled first: names are compared without regard to case. A set of the
         assembly and one of the part are different sets, also if they have the same name."""
-        own, of_part = self.parted(name)
-        here, other = (kind, of_part, own.upper()), (kind, not of_part, own.upper())
-        return self.names.get(here) or self.names.get(other) or own
+        own, scope = self.parted(name)
+        others = [spelling for (kind_there, _, there), spelling in self.names.items() if (kind_there, there) == (kind, own.upper())]
+        return self.names.get((kind, scope, own.upper())) or (others[0] if len(others) == 1 else own)
 
     def define(self, kind, name):
-        """The same for a set that is defined here."""
-        own, of_part = self.parted(name)
-        key, other = (kind, of_part, own.upper()), (kind, not of_part, own.upper())
+        """The same for a set that is defined here. Those of several instances have the instance's name before their own."""
+        own, scope = self.parted(name)
+        key = (kind, scope, own.upper())
         if key not in self.names:
-            taken = {name for (kind_there, *_), name in self.names.items() if kind_there == kind}
-            self.names[key] = free_name(own + ("_part" if of_part else "_assembly"), taken) if other in self.names else own
+            taken = {spelling for (kind_there, *_), spelling in self.names.items() if kind_there == kind}
+            is_known = any((kind_there, there) == (kind, own.upper()) for kind_there, _, there in self.names)
+            new = f"{self.placed[1]}_{own}" if self.has_several and scope else own + ("_part" if scope else "_assembly") if is_known and not self.has_several else own
+            self.names[key] = free_name(new, taken)
         return self.names[key]
 
     def parted(self, name):
-        """A name without its instance, and whether it is one of the part."""
+        """A name without its instance, and where it is one: in an instance, a part, or ""."""
         instance, _, own = name.rpartition(".") if self.instances else ("", "", name)
-        return own, bool(instance) or self.level == "part"
+        if self.has_several:
+            return own, self.scope or instance.upper()
+        return own, "part" if instance or self.level == "part" else ""
 
     # ------------------------------------------------------------------ structure
     def enter_part(self, card):
         self.level = "part"
         self.parts += 1
         if self.parts > 1:
-            raise self.diagnostics.wrong(card.line, "there is a second part, but only one can be read: join them (Abaqus/CAE: Assembly, Merge/Cut)")
+            raise self.diagnostics.wrong(card.line, "there is a second part, and no instance of it")
 
     def enter_instance(self, card):
         self.level = "part"
         self.instances += 1
-        if self.instances > 1:
-            raise self.diagnostics.wrong(card.line, "there is a second instance, but only one can be read: join them (Abaqus/CAE: Assembly, Merge/Cut)")
+        if self.has_several:
+            self.scope, self.placed = card.upper("NAME"), (card, card.value("NAME"), len(self.points))
+            if self.scope in self.tables:
+                raise self.diagnostics.wrong(card.line, f"a second instance has the name '{card.value('NAME')}', or none")
+            self.tables[self.scope] = ({}, {})
+        else:
+            self.put(card, 0)
+
+    def put(self, card, first):
+        """Places the nodes from a row on."""
         places = [[real(entries, k, line, self.diagnostics, "a number that places the instance") for k in range(len(entries))] for line, entries in card.data]
         if any(any(numbers) for numbers in places):
-            if not self.points:
+            if len(self.points) == first:
                 raise self.diagnostics.wrong(card.line, "the instance is translated or rotated, and its part has no nodes before this line")
-            self.place(places, card.data[-1][0])
+            self.points[first:] = self.place(np.array(self.points[first:]), places, card.data[-1][0])
 
-    def place(self, places, line):
-        """Translates the nodes, then rotates them about the axis from one point to another, by an angle in degrees."""
-        x = np.array(self.points) + np.resize(places[0] + [0.0] * 3, 3)
+    def place(self, x, places, line):
+        """Translates nodes, then rotates them about the axis from one point to another, by an angle in degrees."""
+        x = x + np.resize(places[0] + [0.0] * 3, 3)
         if len(places) > 1:
             a, b = np.resize(places[1] + [0.0] * 6, 6).reshape(2, 3)
             length = np.linalg.norm(b - a)
@@ -103,13 +125,16 @@ class AbaqusMesh:
             axis, angle = (b - a) / length, np.radians(places[1][6])
             along = np.outer((x - a) @ axis, axis)
             x = a + along + np.cos(angle) * (x - a - along) + np.sin(angle) * np.cross(axis, x - a)
-        self.points = x.tolist()
+        return x.tolist()
 
     def enter_assembly(self, _):
         self.level = "assembly"
 
     def leave_instance(self, _):
         self.level = "assembly"
+        if self.has_several:
+            self.put(self.placed[0], self.placed[2])
+            self.scope = ""
 
     def leave(self, _):
         self.level = "model"
@@ -183,13 +208,24 @@ class AbaqusMesh:
     def nodes(self, text, line):
         return self.rows(text, line, self.model.node_sets, "node", self.nodes_here(text))
 
-    def nodes_here(self, text, of_instance=False):
-        """Rows by number. Where there is an instance, numbers without its name are those of the assembly, outside of the part."""
-        is_of_assembly = self.instances and self.level != "part" and "." not in text and not of_instance
-        return self.row_of_reference if is_of_assembly else self.row_of_node
+    def table_of(self, instance, which):
+        """Rows of nodes (0) or elements (1) by number, of an instance."""
+        if not self.has_several:
+            return self.tables[""][which]
+        return self.tables.get(instance.upper(), ({}, {}))[which]
 
-    def elements_here(self, card):
-        return {} if self.instances and self.level != "part" and not card.has("INSTANCE") else self.row_of_element
+    def nodes_here(self, text, instance=""):
+        """Rows by number. Where there is an instance, numbers without its name are those of the assembly, outside of the part."""
+        if not self.instances or self.level == "part":
+            return self.row_of_node
+        instance = instance or text.rpartition(".")[0]
+        return self.table_of(instance, 0) if instance else self.row_of_reference
+
+    def elements_here(self, text, instance=""):
+        if not self.instances or self.level == "part":
+            return self.row_of_element
+        instance = instance or text.rpartition(".")[0]
+        return self.table_of(instance, 1) if instance else {}
 
     def row_of(self, text):
         """The row of a node by its number, with or without an instance; None if there is none."""
@@ -197,13 +233,13 @@ class AbaqusMesh:
         return self.nodes_here(text).get(int(label)) if label.isdigit() else None
 
     def label_of(self, row):
-        return next((label for table in (self.row_of_node, self.row_of_reference) for label, other in table.items() if other == row), row)
+        return next((label for table in (*(nodes for nodes, _ in self.tables.values()), self.row_of_reference) for label, other in table.items() if other == row), row)
 
     def elements(self, text, line):
-        return self.rows(text, line, self.model.element_sets, "element", self.row_of_element)
+        return self.rows(text, line, self.model.element_sets, "element", self.elements_here(text) if self.has_several else self.row_of_element)
 
     def read_set(self, card, members, kind):
-        table = self.nodes_here("", card.has("INSTANCE")) if kind == "node" else self.elements_here(card)
+        table = (self.nodes_here if kind == "node" else self.elements_here)("", card.value("INSTANCE"))
         unknown = []
         for line, entries in card.data:
             if card.has("GENERATE"):
