@@ -88,7 +88,7 @@ class Cards(ConvertTest):
         held = "*BOUNDARY\nleft, 1, 3\n"
         a, b = NODES[2, 2, 2], NODES[2, 0, 2]
         for card, words in ((f"*EQUATION\n2\n{a}, 4, 1., {b}, 1, 1.\n", "*EQUATION of degrees of freedom that are not displacements"),
-                            ("*EQUATION, REMOVE\n", "*EQUATION, REMOVE: an equation holds from the start to the end of a run"),
+                            ("*EQUATION, REMOVE ALL\n", "*EQUATION, REMOVEALL: an equation holds from the start to the end of a run"),
                             (f"*EQUATION\n1\n{a}, 1, 1.\n*TRANSFORM, NSET=left, TYPE=S\n0, 0, 0, 0, 0, 1\n", "*TRANSFORM, TYPE=S: conditions on its nodes are along local axes"),
                             ("*NODE\n900, 2, 0, 0\n*CLOAD\n900, 1, 1.\n", "*CLOAD on node 900, which belongs to no element")):
             _, said = self.convert("cube.inp", deck(held + card.replace("*CLOAD\n900, 1, 1.\n", ""), "*CLOAD\n900, 1, 1.\n" if "CLOAD" in card else "*CLOAD\ntop, 1, 1.\n"))

@@ -18,8 +18,8 @@ class AbaqusEquations:
         self.equations = []  # (line, {(row, component): coefficient}), along local axes
 
     def read(self, card):
-        if card.has("REMOVE"):
-            self.diagnostics.missing(card.line, f"{card.title}, REMOVE: an equation holds from the start to the end of a run")
+        if card.has("REMOVE") or card.has("REMOVEALL"):
+            self.diagnostics.missing(card.line, f"{card.title}, {next(iter(card.parameters))}: an equation holds from the start to the end of a run")
             return
         count, terms, first = None, [], card.line
         for line, entries in card.data:
