@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -224,6 +225,7 @@ void Constraints::add_supports(const Config& config) {
     if (support == supports_.end()) support = supports_.insert(supports_.end(), {name, {}, {}});
     support_of_part_.push_back(static_cast<std::size_t>(support - supports_.begin()));
     if (is_rigid && !support->rigid_part) support->rigid_part = c;
+    support->has_ties |= !is_rigid && !part.is_prescribed;
     for (int i = 0; i < 3; ++i) {
       if (!is_rigid && !(part.is_prescribed && part.displacement.gives(i))) continue;
       for (const PetscInt node : part.nodes) {
@@ -272,15 +274,40 @@ std::vector<Constraints::Hold> Constraints::held() const {
   return result;
 }
 
-std::vector<Reaction> Constraints::reactions(Vec r, Vec q) const {
+std::vector<Vector3<double>> Constraints::centres_of_supports(Vec q) const {
   std::vector<Vector3<double>> centres(supports_.size());
-  std::vector<Placement> placements(parts_.size());  // of rigid parts of supports
+  std::vector<double> extremes(6 * supports_.size(), -std::numeric_limits<double>::infinity());
+  {
+    const ConstArrayView u(q);
+    for (std::size_t s = 0; s < supports_.size(); ++s) {
+      for (const PetscInt dof : supports_[s].dofs) {
+        const auto X = layout_.position(dof / 3);
+        for (std::size_t i = 0; i < 3; ++i) {
+          const double x = X[i] + u[3 * (dof / 3) + static_cast<PetscInt>(i)];
+          extremes[6 * s + i] = std::max(extremes[6 * s + i], x);
+          extremes[6 * s + 3 + i] = std::max(extremes[6 * s + 3 + i], -x);
+        }
+      }
+    }
+  }
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, extremes.data(), static_cast<int>(extremes.size()), MPI_DOUBLE, MPI_MAX,
+                          layout_.comm));
   for (std::size_t s = 0; s < supports_.size(); ++s) {
-    if (!supports_[s].rigid_part) continue;
+    if (!supports_[s].rigid_part) {
+      for (std::size_t i = 0; i < 3 && std::isfinite(extremes[6 * s]); ++i)
+        centres[s][i] = 0.5 * (extremes[6 * s + i] - extremes[6 * s + 3 + i]);
+      continue;
+    }
     const Part& part = parts_[*supports_[s].rigid_part];
     const Vector3<double>& centre = part.displacement.rigid->centre;
     centres[s] = centre + nearest_placement(layout_, part.nodes, centre, q).translation;
   }
+  return centres;
+}
+
+std::vector<Reaction> Constraints::reactions(Vec r, Vec q) const {
+  const std::vector<Vector3<double>> centres = centres_of_supports(q);
+  std::vector<Placement> placements(parts_.size());  // of rigid parts of supports
   const auto is_rigid = [&](std::size_t c) {
     return parts_[c].displacement.rigid.has_value() && support_of_part_[c] != no_support;
   };

@@ -20,13 +20,15 @@ namespace pliant {
 struct Support {
   std::string name;
   std::vector<PetscInt> dofs;             ///< owned entries whose reactions it is
-  std::optional<std::size_t> rigid_part;  ///< the constraint that makes them rigid: the torque is recorded, too
+  std::optional<std::size_t> rigid_part;  ///< the constraint that makes them rigid
+  bool has_ties = false;                  ///< entries depend on others: the torque is not known, unless they are rigid
+  bool has_torque() const { return rigid_part.has_value() || !has_ties; }
 };
 
 /// The reaction: force and torque of a support on the body, over all ranks.
 struct Reaction {
   std::array<double, 3> force{};   ///< [N]
-  std::array<double, 3> torque{};  ///< of a rigid part, about its centre [N m]
+  std::array<double, 3> torque{};  ///< about the centre of a rigid part, or the middle of the bounding box [N m]
 };
 
 class Constraints {
@@ -69,6 +71,8 @@ class Constraints {
   Part rigid(const ConstraintConfig& constraint, Selections& selections);
   void add_supports(const Config& config);
   /// Adds what joints exert on the rigid parts of supports. `centres`: of their torques [m]. Collective.
+  /// About which the torques of the supports are taken, at q. Collective.
+  std::vector<Vector3<double>> centres_of_supports(Vec q) const;
   void add_joints(Vec r, Vec q, std::span<const Vector3<double>> centres, std::vector<Reaction>& reactions) const;
   void add_multipliers(Vec r, std::vector<double>& sums) const;
 

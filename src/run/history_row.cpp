@@ -53,7 +53,7 @@ std::vector<std::string> HistoryRow::names_of_columns(const Config& config, cons
     names.push_back("dissipated_" + mechanism);
   }
   for (const auto& support : model_.constraints().supports()) {
-    if (!support.rigid_part) continue;
+    if (!support.has_torque()) continue;
     for (const char* suffix : {"_tx", "_ty", "_tz"}) names.push_back(support.name + suffix);
   }
   for (const auto& cavity : model_.cavities()) {
@@ -126,7 +126,7 @@ std::vector<double> HistoryRow::values(const StepRecord& record, const Ledger& l
   row.insert(row.end(), e.dissipated_by.begin(), e.dissipated_by.end());
   for (std::size_t s = 0; s < ledger.reactions().size(); ++s) {
     const auto& torque = ledger.reactions()[s].torque;
-    if (model_.constraints().supports()[s].rigid_part) row.insert(row.end(), torque.begin(), torque.end());
+    if (model_.constraints().supports()[s].has_torque()) row.insert(row.end(), torque.begin(), torque.end());
   }
   for (const double value : cavity_states(record)) row.push_back(value);
   if (model_.contacts() != nullptr) {

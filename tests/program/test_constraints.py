@@ -94,6 +94,18 @@ class Constraints(ProgramTest):
         for column in ("elastic_energy", "right_fy", "support_work"):
             np.testing.assert_allclose(again[column], history[column], rtol=1e-8, atol=0)
 
+    def test_a_clamp_has_a_root_moment(self):
+        """About the middle of what it holds, where that is now: a clamp that is carried along bears the same."""
+        write_box(self.directory / "bar.msh", (4, 2, 2), (0.4, 0.1, 0.1))
+        weight = 1000 * 0.981 * 0.4 * 0.1 * 0.1
+        for ranks in (1, 2):
+            h = self.solve("bar.msh", ['{name: root, surface: left, displacement: [0, "3*t", 0]}'], ranks=ranks,
+                           more="loads: [{gravity: [0, 0, -0.981]}]\ntime: {method: static, end: 1}\n")
+            tip = h["root_ty"][-1] / (-weight * 0.2)  # bent, the bar weighs a little nearer
+            self.assertTrue(0.995 < tip < 1.0, tip)
+            self.assertLess(max(abs(h["root_tx"][-1]), abs(h["root_tz"][-1])), 0.01 * weight * 0.2)
+            np.testing.assert_allclose(h["root_fz"][-1], weight, rtol=1e-6)
+
     def test_reactions_of_constraints_that_repeat_one_another(self):
         # Where the surfaces meet, one of the constraints is implied by the others: which one must not depend on the ranks.
         write_box(self.directory / "box.msh", (3, 4, 3), (1, 1, 1))
