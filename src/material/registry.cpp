@@ -116,7 +116,7 @@ constexpr std::array holzapfel_ogden{coefficient("a", "shear modulus of the grou
 constexpr std::array<LawInfo, ElasticLaws::size> own_laws{{
     {Linear<double>::name, "psi = mu eps:eps + lambda/2 (tr eps)^2, eps = (H + H^T)/2, H = grad u", lame_parameters,
      "Hooke's law; Holzapfel, Nonlinear Solid Mechanics (2000)",
-     "small strains and small rotations; a rotation of more than a few degrees causes spurious stresses"},
+     "small strains and small rotations; a rotation by theta causes spurious strains of theta^2/2, 1.5e-4 at a degree"},
     {SaintVenantKirchhoff<double>::name, "psi = mu E:E + lambda/2 (tr E)^2, E = (F^T F - I)/2", lame_parameters,
      "Holzapfel, Nonlinear Solid Mechanics (2000), section 6.5",
      "large rotations with small strains (slender beams, shells); not for strong compression: it softens and lets "

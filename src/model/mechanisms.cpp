@@ -345,17 +345,20 @@ class RigidSystemBuilder {
   }
 
   void report_dependent(const Mechanism& mechanism, const std::vector<std::size_t>& joints) {
-    const auto dependent = mechanism.dependent_joints();
+    const auto [dependent, number] = mechanism.dependent_joints();
     if (dependent.empty()) return;
     std::vector<std::string> names;
     for (const std::size_t j : dependent) names.push_back("'" + system_.joints[joints[j]].name + "'");
-    selections_.report(configs_[joints[dependent.front()]]->where,
-                       names.size() == 1
-                           ? fmt::format("joint {} repeats or contradicts what already holds its bodies", names[0])
-                           : fmt::format("joints {} repeat or contradict one another: a motion that one of them "
-                                         "forbids is forbidden already; in a closed loop of hinges make one of them "
-                                         "`ball` and another `cylindrical`",
-                                         joined(names)));
+    const std::string what =
+        names.size() == 1
+            ? fmt::format("joint {} repeats or contradicts what already holds its bodies", names[0])
+            : fmt::format(
+                  "joints {} repeat or contradict one another: {} that they forbid {} forbidden already; let them "
+                  "leave as many more free: `cylindrical` or `universal` instead of `hinge` leaves one, `ball` "
+                  "two, and a plane loop of hinges, with 3 too many, needs one `ball` and one `cylindrical`",
+                  joined(names), number == 1 ? "a motion" : fmt::format("{} motions", number),
+                  number == 1 ? "is" : "are");
+    selections_.report(configs_[joints[dependent.front()]]->where, what);
   }
 
   const ConstraintsOnMesh& constraints_;

@@ -197,7 +197,13 @@ StepOutcome Simulation::advance() {
   if (!control_->accepts(error) && concession.empty()) {
     ++steps_.inaccurate;
     const RetryDecision decision = control_->reject_error(error);
-    return {outcome_of(decision, StepOutcome::Kind::inaccurate), decision.reason, step};
+    const SolverStatistics& solves = solver_statistics();
+    const bool is_rounding = decision.retry == Retry::give_up && 2 * solves.rounding_stops > solves.stages;
+    return {outcome_of(decision, StepOutcome::Kind::inaccurate),
+            decision.reason + (is_rounding ? ", unless rounding limits it: most solves ended at the limit of double "
+                                             "precision; allow a larger error, or use dirk33, whose steps are longer"
+                                           : ""),
+            step};
   }
   const bool touched = record_.contact.num_points > 0.0;
   const bool is_on_path = advance_->path() != nullptr;

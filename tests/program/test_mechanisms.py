@@ -728,7 +728,7 @@ joints:
             "no body has these moments of inertia": chain.replace("inertia: [0.01, 0.02, 0.03]", "inertia: [0.01, 0.02, 0.04]"),
             "connects 'tow', which is not a rigid body": chain.replace("[one, two]", "[one, tow]"),
             "missing key 'axis' in joints[1]": chain.replace("type: ball", "type: hinge"),
-            "repeat or contradict": chain.replace("loads:", "  - {name: c, type: hinge, between: [one, two], point: [1, 0, 0], axis: [0, 1, 0]}\nloads:"),
+            "repeat or contradict one another: 3 motions that they forbid are forbidden already": chain.replace("loads:", "  - {name: c, type: hinge, between: [one, two], point: [1, 0, 0], axis: [0, 1, 0]}\nloads:"),
             "must be at right angles": chain.replace("type: ball", "type: universal").replace("point: [1, 0, 0], }", "point: [1, 0, 0], axis: [1, 0, 0], second_axis: [1, 1, 0]}"),
             "the bearing of joint 'a' needs the radius of its pin": chain.replace("axis: [0, 1, 0.2]", "axis: [0, 1, 0.2], bearing: {friction: 0.1}"),
             "connects 'one' with itself": chain.replace("[one, two]", "[one, one]"),

@@ -38,7 +38,7 @@ class Mechanism final : public DependentNodes {
             std::vector<JointEquation> equations);
 
   /// JointSystem::dependent_joints, at the reference configuration. Not collective.
-  std::vector<std::size_t> dependent_joints() const { return joints_.dependent_joints(G_ref_); }
+  JointSystem::Dependent dependent_joints() const { return joints_.dependent_joints(G_ref_); }
   /// The size of the largest part [m].
   double size() const { return size_; }
   std::size_t num_degrees_of_freedom() const { return hosts_.size(); }

@@ -217,19 +217,20 @@ JointSystem::Matrix JointSystem::curvature(std::span<const PartMotion> parts,
 }
 
 // Equations with a part in a sum that vanishes: a left singular vector of the value zero.
-std::vector<std::size_t> JointSystem::dependent_joints(const Matrix& G) const {
-  std::vector<std::size_t> result;
+JointSystem::Dependent JointSystem::dependent_joints(const Matrix& G) const {
+  Dependent result;
   if (empty()) return result;
   const Eigen::JacobiSVD<Matrix> svd(G, Eigen::ComputeFullU);
   for (Eigen::Index j = 0; j < G.rows(); ++j) {
     if (j < svd.singularValues().size() && svd.singularValues()[j] > independence) continue;
+    ++result.number;
     for (Eigen::Index e = 0; e < G.rows(); ++e) {
       if (std::abs(svd.matrixU()(e, j)) <= std::sqrt(independence)) continue;
-      result.push_back(equations_[static_cast<std::size_t>(e)].joint);
+      result.joints.push_back(equations_[static_cast<std::size_t>(e)].joint);
     }
   }
-  std::ranges::sort(result);
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  std::ranges::sort(result.joints);
+  result.joints.erase(std::unique(result.joints.begin(), result.joints.end()), result.joints.end());
   return result;
 }
 

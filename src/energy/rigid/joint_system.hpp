@@ -66,8 +66,13 @@ class JointSystem {
   /// motion k by its unknown l, at k n + l.
   Matrix curvature(std::span<const PartMotion> parts, std::span<const std::vector<BodyMotion<double>>> bends,
                    const Given& given, const Vector& lambda) const;
-  /// The joints of which equations repeat what other equations say, or contradict it. G: the derivatives.
-  std::vector<std::size_t> dependent_joints(const Matrix& G) const;
+  /// The joints of which equations repeat what other equations say, or contradict it, and the number of equations that
+  /// are too many. G: the derivatives.
+  struct Dependent {
+    std::vector<std::size_t> joints;
+    int number = 0;
+  };
+  Dependent dependent_joints(const Matrix& G) const;
   /// The reaction of each joint, from the forces lambda of the equations. `points`: of the joints on their second
   /// bodies, in the reference configuration [m].
   std::vector<JointReaction> reactions(std::span<const PartMotion> parts, const Given& given, const Vector& lambda,
