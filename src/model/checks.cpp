@@ -53,6 +53,27 @@ void require_factorization(const Config& config, bool is_plain) {
       "use 'solver: {linear: cholesky}'");
 }
 
+namespace {
+
+/// A note about an axis along which constraints hold nothing, and contact has to.
+std::optional<Diagnostic> free_direction(const Config& config) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto is_free = [&](const ConstraintConfig& constraint) {
+      const auto* displacement = std::get_if<ConstraintConfig::Displacement>(&constraint.kind);
+      return displacement != nullptr && !displacement->value[axis];
+    };
+    if (!std::ranges::all_of(config.constraints, is_free)) continue;
+    return Diagnostic{Severity::note, config.time.method.where,
+                      fmt::format("no constraint holds {}, where only contact and springs can: without inertia bodies "
+                                  "move at once to where obstacles stop them, and a load that none of these bears has "
+                                  "no equilibrium",
+                                  "xyz"[axis])};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 std::optional<Diagnostic> check_support(const Config& config, const NodeLayout& layout, const Components& components,
                                         std::span<const PetscInt> held, Selections& selections) {
   // Joints, tendons and rigid bodies may hold a part, too.
@@ -63,7 +84,8 @@ std::optional<Diagnostic> check_support(const Config& config, const NodeLayout& 
   for (const PetscInt n : held) is_held[component(n)] = 1.0;
   sum_in_place(layout.comm, is_held);
   const auto num_free = std::ranges::count(is_held, 0.0);
-  if (num_free == 0) return std::nullopt;
+  const bool may_lie = config.contact && !config.contact->obstacles.empty();
+  if (num_free == 0) return may_lie && analysis_of(config) != Analysis::dynamic ? free_direction(config) : std::nullopt;
   if (analysis_of(config) == Analysis::dynamic) {
     if (!may_fall(config)) return std::nullopt;
     return note(fmt::format(
@@ -93,7 +115,6 @@ std::optional<Diagnostic> check_support(const Config& config, const NodeLayout& 
     selections.throw_if_errors();
   }
   const auto is_foundation = [](const LoadConfig& load) { return foundation_of(load).has_value(); };
-  const bool may_lie = config.contact && !config.contact->obstacles.empty();
   if (num_free == components.count && may_lie && config.springs.empty() && config.rods.empty() &&
       std::ranges::none_of(config.loads, is_foundation)) {
     return Diagnostic{

@@ -1,6 +1,7 @@
 #include "run/end_findings.hpp"
 
 #include "input/analysis.hpp"
+#include "petsc/check.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +21,8 @@ constexpr double unbalanced = 0.01;
 constexpr double no_energy = 1e-20;
 /// Surfaces that are further in each other than this part of the largest displacement change what is looked at.
 constexpr double visible = 0.05;
+/// What is less than this part of the size of the mesh does not show.
+constexpr double too_small_to_see = 1e-3;
 
 Diagnostic finding_about_loss(const Config& config, const EnergyWatch::Loss& loss, double kinetic,
                               double longest_step) {
@@ -113,14 +116,19 @@ std::vector<Diagnostic> findings_about_solutions(const Config& config, const Sol
   return found;
 }
 
-std::vector<Diagnostic> findings_about_contact(const Config& config, double gap, double displacement) {
-  if (!config.contact || !(-gap > visible * displacement)) return {};
+std::vector<Diagnostic> findings_about_contact(const Config& config, const Model& model, const StepRecord& last) {
+  if (!config.contact) return {};
+  double displacement = 0.0;
+  check(VecNorm(last.q, NORM_INFINITY, &displacement));
+  const auto& box = model.mesh_report().bounds;
+  const double size = std::hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]), depth = -last.contact.gap;
+  if (!(displacement > 0.0 && depth > std::max(visible * displacement, too_small_to_see * size))) return {};
   return {
       {Severity::note, config.contact->where,
        fmt::format("a penalty gives way where bodies touch: at the end they are up to {:.3g} m in each other or in "
                    "an obstacle, {:.0f} % of the largest displacement; where that matters, use 'law: barrier', which "
                    "does not, or a larger 'stiffness'",
-                   -gap, 100.0 * -gap / displacement)}};
+                   depth, 100.0 * depth / displacement)}};
 }
 
 }  // namespace pliant

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "input/config.hpp"
 #include "run/energy_watch.hpp"
+#include "run/simulation.hpp"
 #include "solver/statistics.hpp"
 
 #include <vector>
@@ -25,8 +26,7 @@ enum class Forces { some, none_but_rounding };
 std::vector<Diagnostic> findings_about_solutions(const Config& config, const SolverStatistics& statistics,
                                                  Forces forces);
 
-/// A note where a penalty gives way so far that it shows. `gap`: the least of the last state, negative where surfaces
-/// are in each other; `displacement`: the largest of that state [m].
-std::vector<Diagnostic> findings_about_contact(const Config& config, double gap, double displacement);
+/// A note where a penalty gives way so far in the last state that it shows. Collective.
+std::vector<Diagnostic> findings_about_contact(const Config& config, const Model& model, const StepRecord& last);
 
 }  // namespace pliant

@@ -397,9 +397,7 @@ class Run {
     const bool is_dynamic = simulation_->analysis() == Analysis::dynamic;
     std::vector<Diagnostic> found = findings_about_solutions(
         config_, s, is_dynamic && energy_watch_->sees_only_rounding() ? Forces::none_but_rounding : Forces::some);
-    double displacement = 0.0;
-    check(VecNorm(record().q, NORM_INFINITY, &displacement));
-    std::ranges::move(findings_about_contact(config_, record().contact.gap, displacement), std::back_inserter(found));
+    std::ranges::move(findings_about_contact(config_, model_, record()), std::back_inserter(found));
     if (!is_dynamic) return found;
     const Energies& energies = simulation_->ledger().energies();
     const double longest = simulation_->steps().longest;

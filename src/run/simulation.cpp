@@ -57,6 +57,7 @@ Simulation::Simulation(const Config& config, Model& model, Stages stages, Books 
   record_.z = advance_->state().z;
   next_q_ = make_vector(model.layout());
   const Method* method = integrator_of(config);
+  may_go_far_ = !config.joints.empty() || !config.rigid_bodies.empty();
   settles_pressures_ = model_.mixed_equation() != nullptr && method != nullptr && !method->stiffly_accurate;
   num_past_ = analysis_ != Analysis::dynamic ? 1 : method != nullptr ? method->num_steps : 2;
   measure_contact();
@@ -92,7 +93,8 @@ void Simulation::keep(Archive& archive) {
     keep_part();
   };
   part("advance", [&] { advance_->keep(archive); });
-  // The energies that the ledger computes need the pressures.
+  // The energies that the ledger computes need whole turns and pressures.
+  part("joints", [&] { keep_turns(model_.constraints().joints(), archive); });
   if (MixedEquation* mixed = model_.mixed_equation()) part("mixed", [&] { mixed->keep(archive); });
   part("ledger", [&] { ledger_->keep(archive, advance_->state()); });
   part("control", [&] {
@@ -119,7 +121,6 @@ void Simulation::keep(Archive& archive) {
     archive.number("shortest", steps_.shortest);
     archive.number("longest", steps_.longest);
   });
-  part("joints", [&] { keep_turns(model_.constraints().joints(), archive); });
   if (!archive.restores()) return;
   turns_.forget();
   moved_in_all_ = grown_ = last_growth_ = 0.0;
@@ -294,7 +295,7 @@ std::optional<std::string> Simulation::escape(const StepAttempt& attempt) {
   const double size = std::hypot(box[3] - box[0], box[4] - box[1], box[5] - box[2]);
   check(VecWAXPY(next_q_.get(), -1.0, q_.get(), attempt.q));
   check(VecNorm(next_q_.get(), NORM_INFINITY, &moved_));
-  if (moved_ <= far * size) return std::nullopt;
+  if (moved_ <= far * size || may_go_far_) return std::nullopt;
   return fmt::format("bodies have moved by {:.1e} m: nothing holds them against the loads, and there is no equilibrium",
                      moved_);
 }
@@ -355,8 +356,7 @@ std::string Simulation::limit_in_sight() const {
   return fmt::format(
       "; displacements grow {:.0f} times as fast as on average, so that there may be no equilibrium under larger loads "
       "(ballooning, buckling, collapse, sliding away): 'path' of a static analysis follows equilibria past a limit "
-      "point, "
-      "cavities whose volume is controlled ('liquid') stay stable, and inertia carries bodies on",
+      "point, cavities whose volume is controlled ('liquid') stay stable, and inertia carries bodies on",
       last_growth_ * grown_ / moved_in_all_);
 }
 
@@ -385,7 +385,8 @@ void Simulation::accept(const StepAttempt& attempt, const Step& step) {
   follow_turns(model_.constraints().joints(), q_.get(), v_.get());
   advance_->accept(attempt);
   record_.z = advance_->state().z;
-  if (analysis_ != Analysis::dynamic && is_as_planned && moved_ > 0.0) {
+  constexpr double rounding = 1e-6;
+  if (analysis_ != Analysis::dynamic && is_as_planned && moved_ > rounding * moved_in_all_) {
     moved_in_all_ += moved_;
     grown_ += record_.dt;
     last_growth_ = moved_ / record_.dt;

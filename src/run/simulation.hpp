@@ -177,7 +177,8 @@ class Simulation {
   StepStatistics steps_;
   TurnWatch turns_;
   bool warned_of_turns_ = false;
-  double moved_ = 0.0;  // by the last attempt without inertia, any node [m]
+  bool may_go_far_ = false;  // there are mechanisms, which formulas carry along, or bodies without a size
+  double moved_ = 0.0;       // by the last attempt without inertia, any node [m]
   // By all accepted steps without inertia, in which load factor or time has grown by that much, and by the last one.
   double moved_in_all_ = 0.0, grown_ = 0.0, last_growth_ = 0.0;
   double contact_start_ = 0.0;      // end of the last step without contact [s]

@@ -103,8 +103,7 @@ StageReport NewtonSolver::iterate_with_drag(Vec q, Vec guess, const StageReport&
     check(VecCopy(guess, q));
     const StageReport held = std::exchange(report, iterate(q));
     add(held);
-  } else {
-    report.outcome = failed.outcome;
+  } else if (report.outcome == StageOutcome::retry) {
     report.reason = failed.reason;
   }
   add(failed);

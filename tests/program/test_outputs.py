@@ -33,6 +33,7 @@ COLUMNS = ("step,time,dt,newton_iterations,linear_iterations,kinetic_energy,elas
            "load_work,energy_balance_error,px,py,pz,Lx,Ly,Lz,tip_x,tip_y,tip_z,tip_vx,tip_vy,tip_vz,"
            "root_x,root_y,root_z,root_vx,root_vy,root_vz,left_fx,left_fy,left_fz,"
            "constraint2_fx,constraint2_fy,constraint2_fz,numerical_dissipation,support_work,"
+           "left_tx,left_ty,left_tz,constraint2_tx,constraint2_ty,constraint2_tz,"
            "tip_ux,tip_uy,tip_uz,root_ux,root_uy,root_uz")
 
 

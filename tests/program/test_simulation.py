@@ -106,6 +106,23 @@ class TestHistory(SimulationTest):
                 rows.append(list(sim.row.values()))
         np.testing.assert_array_equal(np.array(rows).T, np.array(list(expected.values())))
 
+    def test_whole_turns_are_restored(self):
+        # A spring that has been wound up by a turn and a half has its energy again.
+        text = """rigid_bodies: [{name: wheel, mass: 2, inertia: [0.1, 0.1, 0.05], center: [0, 0, 0]}]
+joints: [{name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], axis: [0, 0, 1], spring: {stiffness: 5, rest: 6}, motor: {effort: 0}}]
+time: {method: dirk33, step: 5 ms, end: 1}
+"""
+        with pliant.Simulation(self.write("wheel.yaml", text), output=None) as sim:
+            sim.run(until=0.2)
+            state, angle = sim.save(), sim.row["axle_angle"]
+            sim.run(until=0.4)
+            sim.restore(state)
+            sim.set("joints.0.motor.effort", 0.1)
+            sim.advance()
+            self.assertGreater(angle, 8)
+            self.assertAlmostEqual(sim.row["axle_angle"], angle, delta=0.5)
+            self.assertLess(abs(sim.row["load_work"]), 0.1)
+
     def test_every_column_is_that_of_the_program_to_the_last_bit(self):
         for text in (FALLING + BDF2, SLIDING + "time: {method: dirk22, step: 10 ms, end: 40 ms}\n",
                      FALLING + "time: {method: bdf2, step: 5 ms, end: 40 ms, adaptive: {relative: 1e-3}}\n",

@@ -14,6 +14,7 @@ class LocalAxes:
     def __init__(self, model, mesh, diagnostics):
         self.model, self.mesh, self.diagnostics = model, mesh, diagnostics
         self.systems = {}  # row -> (kind, the six numbers)
+        self.card_of_part = None  # the first that stands in a part
 
     def read(self, card):
         kind = card.upper("TYPE", "R")[:1]
@@ -25,6 +26,8 @@ class LocalAxes:
         a, b = np.array([real(entries, k, line, self.diagnostics, "a coordinate of the local axes") for k in range(6)]).reshape(2, 3)
         if np.linalg.norm(np.cross(a, b) if kind == "R" else b - a) < SAME * max(np.abs(a).max(), np.abs(b).max(), 1e-300):
             raise self.diagnostics.wrong(line, f"{card.title}: its two points do not define axes")
+        if self.mesh.level == "part" and self.card_of_part is None:
+            self.card_of_part = card
         for row in self.mesh.nodes(card.value("NSET"), card.line):
             self.systems[row] = (kind, a, b)
 
@@ -52,6 +55,11 @@ class LocalAxes:
         return np.eye(3)[component] if axes is None else clean(axes[component])
 
     # ------------------------------------------------------------------ conditions
+    def list_axes_of_parts(self):
+        if self.card_of_part is not None and self.mesh.has_moved:
+            self.diagnostics.missing(self.card_of_part.line, f"{self.card_of_part.title} in a part whose instance is moved or rotated: its axes are taken as they stand there: "
+                                     "correct the directions in the input")
+
     def list_references(self, references):
         for row in sorted(references & self.systems.keys()):
             self.diagnostics.missing(None, f"*TRANSFORM of node {self.mesh.label_of(row)}, a reference node: its conditions stand along x, y, z: correct them in the input")
@@ -77,34 +85,38 @@ class LocalAxes:
     def take_displacements(self, prescribed, used, value):
         """Takes the displacements along local axes out of the table and into the model: as prescribed components where the axes are x, y and z or all
         three are given, else along a direction."""
-        pieces = {}  # target -> row -> {component: course}
+        pieces = {}  # row -> {component: (target, course)}
         for target, component, course, rows in prescribed.by_target():
             for row in rows:
                 if component < 3 and row in self.systems and row in used:
-                    pieces.setdefault(target, {}).setdefault(row, {})[component] = course
-        for target, rows in pieces.items():
-            plain, along = {}, {}
-            for row, local in rows.items():
-                axes = [self.direction(row, k) for k in range(3)]
-                for c in local:
-                    prescribed.course.pop((row, c), None)
-                here = along_axes(local, axes) if len(local) == 3 else {}
-                for c, course in local.items() if not here else ():
-                    if np.count_nonzero(axes[c]) == 1:
-                        here.update(along_axes({c: course}, axes))
-                    else:
-                        along.setdefault((tuple(axes[c]), course), []).append(row)
-                for c, course in here.items():
-                    plain.setdefault((c, course), []).append(row)
-            self.write_plain(prescribed, target, plain)
-            self.write_along(target, along, rows, value)
+                    pieces.setdefault(row, {})[component] = target, course
+        # All before the first is written: what is written is along x, y, z, at the same nodes.
+        for row, local in pieces.items():
+            for c in local:
+                prescribed.course.pop((row, c), None)
+        plain, along = {}, {}  # by the target, of which they are
+        for row, local in pieces.items():
+            axes = [self.direction(row, k) for k in range(3)]
+            together = [(next(iter(local.values()))[0], {c: course for c, (_, course) in local.items()})]
+            one_by_one = [(target, {c: course}) for c, (target, course) in local.items()]
+            for target, courses in together if len(local) == 3 else one_by_one:
+                (component, course), *more = courses.items()
+                if more or np.count_nonzero(axes[component]) == 1:
+                    for c, part in along_axes(courses, axes).items():
+                        plain.setdefault(target, {}).setdefault((c, part), []).append(row)
+                else:
+                    along.setdefault(target, {}).setdefault((tuple(axes[component]), course), []).append(row)
+        for target, some in plain.items():
+            self.write_plain(prescribed, target, some)
+        for target, some in along.items():
+            self.write_along(target, some, value)
 
     @staticmethod
     def write_plain(prescribed, target, plain):
         for (c, course), rows in plain.items():
             prescribed.set(target, c, rows, course)
 
-    def write_along(self, target, along, rows, value):
+    def write_along(self, target, along, value):
         if len(along) > MOST_DIRECTIONS:
             self.diagnostics.missing(None, f"*TRANSFORM: the displacements of {target} are along more than {MOST_DIRECTIONS} directions: left out")
             return

@@ -229,6 +229,7 @@ class AbaqusConditions:
         self.axes.list_references(references)
         references = references | self.equations.finish(self.prescribed, self.forces, self.used, references, self.value)
         self.axes.turn_forces(self.forces)
+        self.axes.list_axes_of_parts()
         self.axes.take_displacements(self.prescribed, self.used, self.value)
         add_prescribed(self.model, self.diagnostics, self.by_set(references), self.value)
         self.add_forces(references)

@@ -33,6 +33,7 @@ class AbaqusMesh:
         self.names = {}  # of sets as they were spelled first, by kind and capitals
         self.level, self.parts, self.instances = "model", 0, 0
         self.has_several = False  # instances, each with the cards of its part (abaqus_assembly.py)
+        self.has_moved = False  # an instance is translated or rotated
         self.scope, self.placed = "", None  # of several instances the one that is read: its name in capitals; its card, name and first row
         self.handlers = {"NODE": self.read_nodes, "ELEMENT": self.read_elements, "NSET": self.read_node_set, "ELSET": self.read_element_set,
                          "SURFACE": self.read_surface, "PART": self.enter_part, "INSTANCE": self.enter_instance,
@@ -67,8 +68,11 @@ class AbaqusMesh:
         """The name of the set that a reference means, as it was spelled first: names are compared without regard to case. A set of the
         assembly and one of the part are different sets, also if they have the same name."""
         own, scope = self.parted(name)
+        found = self.names.get((kind, scope, own.upper()))
+        if found or self.has_several and scope:
+            return found or name  # of one of several instances, which has its own alone
         others = [spelling for (kind_there, _, there), spelling in self.names.items() if (kind_there, there) == (kind, own.upper())]
-        return self.names.get((kind, scope, own.upper())) or (others[0] if len(others) == 1 else own)
+        return others[0] if len(others) == 1 else own
 
     def define(self, kind, name):
         """The same for a set that is defined here. Those of several instances have the instance's name before their own."""
@@ -112,6 +116,7 @@ class AbaqusMesh:
         if any(any(numbers) for numbers in places):
             if len(self.points) == first:
                 raise self.diagnostics.wrong(card.line, "the instance is translated or rotated, and its part has no nodes before this line")
+            self.has_moved = True
             self.points[first:] = self.place(np.array(self.points[first:]), places, card.data[-1][0])
 
     def place(self, x, places, line):

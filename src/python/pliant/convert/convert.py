@@ -109,7 +109,7 @@ def attach(model, mesh, diagnostics):
     """Names what the rigid bodies hold; those that hold neither one surface nor one volume are left out."""
     for body in list(model.rigid_bodies):
         key = "coupled" if "coupled" in body else "attached"
-        groups = groups_of(model, mesh, body[key])
+        groups = [group for group in groups_of(model, mesh, body[key]) if "box" not in group]  # without stray nodes in the middle of edges
         names = [group[kind] for group in groups for kind in ("surface", "volume") if kind in group]
         if len(groups) == 1 and names:
             body[key] = names
@@ -134,6 +134,9 @@ def input_of(model, mesh, system, mesh_file, diagnostics):
     for selection, keys in model.loads:
         loads += [{**group, **keys} for group in groups_of(model, mesh, selection)]
     loads += forces.add_loads(model, mesh, diagnostics)
+    if mesh.crowded:
+        diagnostics.missing(None, f"{len(mesh.crowded)} nodes in the middle of edges are at the places of others, as where instances touch: their conditions, at a 'box', "
+                            "hold at all of these: correct them in the input")
     element = "P1" if mesh.is_linear_only else "P2"
     volumetric = volumetric_of(model, element, diagnostics)
     return "\n".join(InputText(model, system).lines(mesh_file, element, volumetric, constraints, loads)) + "\n"

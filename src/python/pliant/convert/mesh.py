@@ -37,6 +37,7 @@ class Mesh:
         self.mids = self._mid_nodes() if self.quadratic else None
         self._known_faces = None
         self.groups = {3: {}, 2: {}, 1: {}, 0: {}}
+        self.near, self.places, self.crowded = None, None, set()  # box_around
         self.loose = {}  # by the name of a set: its nodes in the middle of edges whose ends are not in it, which no group can have
 
     def _orient(self):
@@ -178,9 +179,14 @@ class Mesh:
         return np.intersect1d(rows, np.concatenate([nodes.ravel() for nodes in self.nodes.values()]))
 
     def box_around(self, row):
-        """Two opposite corners of a box that has this node alone."""
-        x = self.points[self.cells]
-        half = NEAR * float((x.max(axis=(0, 1)) - x.min(axis=(0, 1))).max())
+        """Two opposite corners of a box that has this node alone, and those at the same place, which `crowded` counts."""
+        if self.near is None:
+            x = self.points[self.cells]
+            self.near = NEAR * float((x.max(axis=(0, 1)) - x.min(axis=(0, 1))).max())
+            self.places = self.points[self.of_elements(np.arange(len(self.points)))]
+        half = self.near
+        if np.count_nonzero((np.abs(self.places - self.points[row]) <= half).all(axis=1)) > 1:
+            self.crowded.add(row)
         return [[Quantity(float(x) + sign * half, LENGTH) for x in self.points[row]] for sign in (-1, 1)]
 
     def corners_among(self, rows):
