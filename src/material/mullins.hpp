@@ -31,10 +31,11 @@ struct Mullins {
   /// eta - 1.
   Pack eta_change(const Pack& W, const Pack& Wm) const { return (-1.0 / r) * erf(distance(W, Wm)); }
 
-  /// d eta / dW, >= 0 [m^3/J].
+  /// d eta / dW, >= 0 [m^3/J]; on the primary curve, but for rounding, that of further loading.
   Pack eta_slope(const Pack& W, const Pack& Wm) const {
     const Pack x = distance(W, Wm);
-    return select(x > 0.0, Pack(2.0 / (r * root_of_pi) * exp(Pack(-x * x)) / width(Wm)), Pack(0.0));
+    const Pack rounding = on_curve * (Wm + width(Wm));
+    return select(Wm - W > rounding, Pack(2.0 / (r * root_of_pi) * exp(Pack(-x * x)) / width(Wm)), Pack(0.0));
   }
 
   /// h(W; Wm) [J/m^3].
@@ -65,6 +66,7 @@ struct Mullins {
     const Pack s = m + beta * Wm;
     return select(s > 0.0, s, Pack(1.0));
   }
+  static constexpr double on_curve = 1e-10;
   /// x, 0 on the primary curve.
   Pack distance(const Pack& W, const Pack& Wm) const {
     const Pack x = (Wm - W) / width(Wm);
