@@ -29,7 +29,7 @@ struct NodeLayout {
   PetscInt first_global_node = 0;
   PetscInt num_global_nodes = 0;
   std::vector<PetscInt> ghost_global_nodes;  ///< of local nodes num_owned_nodes ..., ascending
-  std::vector<PetscInt> node_of_point;       ///< local node of a DMPlex point, -1 if none
+  std::vector<PetscInt> node_of_point;       ///< local node of a DMPlex point, -1 if none; empty where the mesh is gone
   std::vector<std::int64_t>
       vertex_numbers;               ///< number in the whole mesh of local nodes that are vertices; -1 for others
   std::vector<double> coordinates;  ///< xyz of local nodes in the reference configuration [m]

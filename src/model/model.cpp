@@ -41,6 +41,7 @@ Model::Model(MPI_Comm comm, const Config& given, const TermFactory& additional) 
     return read_mesh(comm, mesh_source(given));
   }();
   build(mesh, additional);
+  layout_.node_of_point = std::vector<PetscInt>();  // of the mesh, which goes
 }
 
 Model::Model(const Mesh& mesh, const Config& given, const TermFactory& additional) : config_(with_rigid_bodies(given)) {

@@ -44,7 +44,6 @@ class DiscretizationError {
   PatchRecovery recovery_;
   std::vector<std::vector<char>> groups_;  // flags of bodies: those of a group share no node
   double negligible_ = 0.0;                // energy below which strains are rounding errors [J]
-  Handle<Vec> q_;
   std::optional<std::int64_t> step_;
   MeshError error_;
   std::vector<double> densities_;

@@ -25,9 +25,7 @@ HistoryRow::HistoryRow(const Config& config, Model& model, const Ledger& ledger)
       static_time_(analysis_of(config) == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt),
       follows_path_(config.time.path.has_value()),
       counts_unstable_modes_(follows_path_ && is_symmetric(model.equation().symmetry())),
-      columns_(names_of_columns(config, ledger)),
-      q_(make_vector(model.layout())),
-      v_(make_vector(model.layout())) {}
+      columns_(names_of_columns(config, ledger)) {}
 
 std::vector<std::string> HistoryRow::names_of_columns(const Config& config, const Ledger& ledger) const {
   std::vector<std::string> names(first_columns.begin(), first_columns.end());
@@ -155,11 +153,7 @@ std::vector<double> HistoryRow::values(const StepRecord& record, const Ledger& l
 
 std::array<std::vector<double>, 2> HistoryRow::probe_states(const StepRecord& record) {
   if (model_.probes().empty()) return {};
-  check(VecCopy(record.q, q_.get()));
-  check(VecCopy(record.v, v_.get()));
-  update_ghosts(q_.get());
-  update_ghosts(v_.get());
-  const ConstGhostedView u(q_.get()), velocity(v_.get());
+  const ConstGhostedView u(record.q), velocity(record.v);
   std::array<std::vector<double>, 2> values;
   for (const auto& probe : model_.probes()) {
     const auto X = probe.interpolate(model_.layout().coordinates), d = probe.interpolate(u.span()),
@@ -175,9 +169,7 @@ std::array<std::vector<double>, 2> HistoryRow::probe_states(const StepRecord& re
 std::vector<double> HistoryRow::cavity_states(const StepRecord& record) {
   std::vector<double> values;
   if (model_.cavities().empty()) return values;
-  check(VecCopy(record.q, q_.get()));
-  update_ghosts(q_.get());
-  const ConstGhostedView u(q_.get());
+  const ConstGhostedView u(record.q);
   for (const auto& cavity : model_.cavities()) {
     const double swept = sum(model_.layout().comm, cavity.term->swept(u.span()));
     const LoadState at = static_time_ ? LoadState{*static_time_, record.load_factor} : LoadState{record.time, 1.0};
@@ -189,11 +181,7 @@ std::vector<double> HistoryRow::cavity_states(const StepRecord& record) {
 std::vector<double> HistoryRow::tendon_states(const StepRecord& record) {
   std::vector<double> values;
   if (model_.tendons().empty()) return values;
-  check(VecCopy(record.q, q_.get()));
-  check(VecCopy(record.v, v_.get()));
-  update_ghosts(q_.get());
-  update_ghosts(v_.get());
-  const ConstGhostedView u(q_.get()), velocity(v_.get());
+  const ConstGhostedView u(record.q), velocity(record.v);
   const Instant at = record.instant(model_);
   for (const ModelTendon& tendon : model_.tendons()) {
     const double longer = lengthening_of(tendon, model_.layout(), u.span());
@@ -208,20 +196,14 @@ std::vector<double> HistoryRow::tendon_states(const StepRecord& record) {
 
 std::vector<double> HistoryRow::spring_states(const StepRecord& record) {
   if (model_.springs().names.empty()) return {};
-  check(VecCopy(record.q, q_.get()));
-  check(VecCopy(record.v, v_.get()));
-  update_ghosts(q_.get());
-  update_ghosts(v_.get());
-  const ConstGhostedView u(q_.get()), velocity(v_.get());
+  const ConstGhostedView u(record.q), velocity(record.v);
   return states_of(model_.springs(), model_.layout(), u.span(), velocity.span());
 }
 
 std::vector<double> HistoryRow::lengths_of_rods(const StepRecord& record) {
   std::vector<double> lengths;
   if (model_.rods().rods.empty()) return lengths;
-  check(VecCopy(record.q, q_.get()));
-  update_ghosts(q_.get());
-  const ConstGhostedView u(q_.get());
+  const ConstGhostedView u(record.q);
   for (const ModelRod& rod : model_.rods().rods) {
     const auto places = places_of(rod.points, model_.layout(), u.span());
     double length = 0.0;
@@ -232,9 +214,7 @@ std::vector<double> HistoryRow::lengths_of_rods(const StepRecord& record) {
 }
 
 double HistoryRow::contact_energy(const StepRecord& record) {
-  check(VecCopy(record.q, q_.get()));
-  update_ghosts(q_.get());
-  const ConstGhostedView u(q_.get());
+  const ConstGhostedView u(record.q);
   return sum(model_.layout().comm, model_.contacts()->energy(record.instant(model_), u.span()));
 }
 

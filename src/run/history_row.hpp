@@ -45,7 +45,6 @@ class HistoryRow {
   bool follows_path_;
   bool counts_unstable_modes_;  // of a path; the pivots of an unsymmetric matrix have no meaning
   std::vector<std::string> columns_;
-  Handle<Vec> q_, v_;
 };
 
 }  // namespace pliant

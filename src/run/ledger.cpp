@@ -25,7 +25,9 @@ Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
     : model_(model),
       analysis_(analysis),
       held_(model.constraints().held()),
-      reactions_(model.constraints().supports().size()) {
+      reactions_(model.constraints().supports().size()),
+      at_([&model] { return make_vector(model.layout()); }),
+      direction_([&model] { return make_vector(model.layout()); }) {
   for (const EnergyTerm* term : model.potential().terms()) {
     const auto known = std::ranges::find(mechanisms_, term->name());
     mechanism_of_term_.push_back(static_cast<std::size_t>(known - mechanisms_.begin()));
@@ -43,7 +45,7 @@ Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
   works_ = last_powers_ = no_works();
   energies_.dissipated_by.resize(mechanisms_.size());
   energies_.dissipated_by_state.resize(mechanisms_.size());
-  for (Handle<Vec>* x : {&q_, &at_, &direction_, &reaction_}) *x = make_vector(model.layout());
+  for (Handle<Vec>* x : {&q_, &reaction_}) *x = make_vector(model.layout());
   measure(initial);
   initial_ = energies_;
   time_ = initial.time;

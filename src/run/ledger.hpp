@@ -15,6 +15,7 @@
 #pragma once
 
 #include "model/model.hpp"
+#include "petsc/work_vector.hpp"
 #include "time/stepper.hpp"
 
 #include <array>
@@ -141,7 +142,8 @@ class Ledger {
   Handle<Vec> pressures_;  // likewise; without inertia, if there are any
   double supply_without_energy_ =
       0.0;  // by terms without an energy, at the last `powers` [W]: friction at moving obstacles
-  Handle<Vec> at_, direction_, reaction_;
+  WorkVector at_, direction_;
+  Handle<Vec> reaction_;
   std::array<Handle<Vec>, 4> forces_;  // without inertia: forces of each account at the last step
 };
 

@@ -123,8 +123,7 @@ MotionWatch::MotionWatch(const Config& config, const Model& model)
       overlap_is_known_(model.overlaps_at_start()),
       bodies_of_components_(bodies_of_components(model)),
       joints_(config.joints),
-      are_beyond_(config.joints.size(), 0),
-      q_(make_vector(model.layout())) {
+      are_beyond_(config.joints.size(), 0) {
   for (std::size_t b = 0; b < model.body_names().size(); ++b) {
     if (b >= config.bodies.size() || config.bodies[b].is_rigid) {
       bodies_.push_back(
@@ -223,9 +222,7 @@ void MotionWatch::look_at_stretches(const StepRecord& record, std::span<const do
 
 std::vector<std::string> MotionWatch::look(const StepRecord& record) {
   std::vector<std::string> news;
-  check(VecCopy(record.q, q_.get()));
-  update_ghosts(q_.get());
-  const ConstGhostedView u(q_.get());
+  const ConstGhostedView u(record.q);
   look_at_stretches(record, u.span(), news);
   return news;
 }
@@ -234,9 +231,7 @@ std::optional<std::string> MotionWatch::look_for_passage(const StepRecord& recor
   if (overlap_is_known_ || model_.components().count < 2) return std::nullopt;
   const std::vector<char>& are_kept_apart = model_.are_kept_apart();
   if (std::ranges::find(are_kept_apart, 0) == are_kept_apart.end()) return std::nullopt;
-  check(VecCopy(record.q, q_.get()));
-  update_ghosts(q_.get());
-  const ConstGhostedView u(q_.get());
+  const ConstGhostedView u(record.q);
   constexpr std::size_t most_nodes = 1000;  // costs far less than a step
   const auto overlap = deepest_overlap(model_.layout(), model_.components(), u.span(), most_nodes, are_kept_apart);
   if (!overlap) return std::nullopt;

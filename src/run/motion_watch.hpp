@@ -90,7 +90,6 @@ class MotionWatch {
   std::vector<JointConfig> joints_;
   std::vector<char> are_beyond_;  // per joint: the user has been warned
   std::vector<GivenTension> tendons_;
-  Handle<Vec> q_;
 };
 
 }  // namespace pliant

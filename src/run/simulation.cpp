@@ -52,6 +52,7 @@ Simulation::Simulation(const Config& config, Model& model, Stages stages, Books 
   set_plan(config);
   control_.emplace(plan_);
   accepted_ = control_->progress();
+  for (Vec x : {q_.get(), v_.get()}) update_ghosts(x);
   record_.q = q_.get();
   record_.v = v_.get();
   record_.z = advance_->state().z;
@@ -124,8 +125,7 @@ void Simulation::keep(Archive& archive) {
   if (!archive.restores()) return;
   turns_.forget();
   moved_in_all_ = grown_ = last_growth_ = 0.0;
-  check(VecCopy(advance_->state().q, q_.get()));
-  check(VecCopy(advance_->state().v, v_.get()));
+  take_state(advance_->state().q, advance_->state().v);
   record_.z = advance_->state().z;
   record_.load_factor = advance_->state().load_factor;
   steps_.least_gap = std::numeric_limits<double>::infinity();
@@ -263,9 +263,14 @@ bool Simulation::extrapolates_impact(const Step& step, bool touches) {
   return grows || (is_impact && steps_since_restart_ < num_past_);
 }
 
+void Simulation::take_state(Vec q, Vec v) {
+  check(VecCopy(q, q_.get()));
+  check(VecCopy(v, v_.get()));
+  for (Vec x : {q_.get(), v_.get()}) update_ghosts(x);
+}
+
 void Simulation::measure_contact() {
   if (model_.contacts() == nullptr) return;
-  update_ghosts(q_.get());
   record_.contact = model_.contacts()->closeness(record_.instant(model_), ConstGhostedView(q_.get()).span());
   steps_.least_gap = std::min(steps_.least_gap, record_.contact.gap);
 }
@@ -362,8 +367,7 @@ std::string Simulation::limit_in_sight() const {
 
 void Simulation::accept(const StepAttempt& attempt, const Step& step) {
   if (books_ == Books::kept) ledger_->book(attempt);
-  check(VecCopy(attempt.q, q_.get()));
-  check(VecCopy(attempt.v, v_.get()));
+  take_state(attempt.q, attempt.v);
   // A step along a path may end elsewhere.
   const bool is_as_planned = advance_->path() == nullptr;
   record_ = {record_.step + 1,

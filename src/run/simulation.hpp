@@ -26,8 +26,8 @@ struct StepRecord {
   double dt = 0.0;    ///< likewise
   int newton_iterations = 0;
   int linear_iterations = 0;
-  Vec q = nullptr;
-  Vec v = nullptr;
+  Vec q = nullptr;                              ///< with its ghosts
+  Vec v = nullptr;                              ///< likewise
   Vec a = nullptr;                              ///< nullptr: zero
   Vec z = nullptr;                              ///< internal variables; nullptr if there are none
   Closeness contact;                            ///< at the step's end, if there are obstacles
@@ -153,7 +153,9 @@ class Simulation {
   /// What the growth of displacements says about loads beyond the last state; may be empty.
   std::string limit_in_sight() const;
   void accept(const StepAttempt& attempt, const Step& step);
-  /// Measures `contact` of the state in `q_`, and updates its ghosts.
+  /// Measures `contact` of the state in `q_`.
+  /// Makes q and v the record's. Collective.
+  void take_state(Vec q, Vec v);
   void measure_contact();
   /// Whether the next step would amplify an impact in this step, which was accepted.
   bool extrapolates_impact(const Step& step, bool touches);

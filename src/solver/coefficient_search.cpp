@@ -41,10 +41,12 @@ CoefficientSearch::CoefficientSearch(Objective& objective, NewtonLoop& loop, Sol
       equation_(objective.equation()),
       loop_(loop),
       statistics_(statistics),
-      coupled_(equation_, loop.linear_solver()),
-      merit_(equation_.make_vector()) {
-  for (Handle<Vec>* v : {&r_, &trial_, &trial_residual_, &d_, &diagonal_}) *v = equation_.make_vector();
-}
+      merit_([this] { return equation_.make_vector(); }),
+      r_(equation_),
+      trial_(equation_),
+      trial_residual_(equation_),
+      d_(equation_),
+      diagonal_(equation_) {}
 
 bool CoefficientSearch::is_settled(Vec q) {
   objective_.gradient(q, r_.get());
@@ -117,7 +119,8 @@ std::optional<double> CoefficientSearch::step(Vec q, StageReport& report) {
   PetscInt iterations = 0;
   {
     const Stopwatch watch(statistics_.solve_seconds);
-    iterations = coupled_.solve(q, system.matrix(), r_.get(), d_.get(), linear_tolerance);
+    if (!coupled_) coupled_.emplace(equation_, loop_.linear_solver());
+    iterations = coupled_->solve(q, system.matrix(), r_.get(), d_.get(), linear_tolerance);
   }
   equation_.refreeze(q);
   statistics_.linear_iterations += iterations;

@@ -1,7 +1,7 @@
 /// The solution of a stage whose coefficients are frozen at that solution (friction with the pressure that it causes).
 #pragma once
 
-#include "petsc/handle.hpp"
+#include "petsc/work_vector.hpp"
 #include "solver/coupled_system.hpp"
 #include "solver/merit.hpp"
 #include "solver/newton_loop.hpp"
@@ -44,9 +44,9 @@ class CoefficientSearch {
   StageEquation& equation_;
   NewtonLoop& loop_;
   SolverStatistics& statistics_;
-  CoupledSystem coupled_;
+  std::optional<CoupledSystem> coupled_;
   Merit merit_;
-  Handle<Vec> r_, trial_, trial_residual_, d_, diagonal_;
+  WorkVector r_, trial_, trial_residual_, d_, diagonal_;
 };
 
 }  // namespace pliant

@@ -35,12 +35,12 @@ GuessSearch::GuessSearch(Objective& objective, LinearSystem& system, SolverStati
       equation_(objective.equation()),
       system_(system),
       statistics_(statistics),
-      r_(equation_.make_vector()),
-      trial_(equation_.make_vector()),
-      correction_(equation_.make_vector()),
-      end_(equation_.make_vector()),
-      second_(equation_.make_vector()),
-      last_(equation_.make_vector()) {}
+      r_(equation_),
+      trial_(equation_),
+      correction_(equation_),
+      end_(equation_),
+      second_(equation_),
+      last_(equation_) {}
 
 void GuessSearch::remember(Vec solution) {
   has_last_ = true;

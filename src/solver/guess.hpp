@@ -1,7 +1,7 @@
 /// Where Newton's method starts from.
 #pragma once
 
-#include "petsc/handle.hpp"
+#include "petsc/work_vector.hpp"
 #include "solver/linear_system.hpp"
 #include "solver/objective.hpp"
 #include "solver/statistics.hpp"
@@ -76,7 +76,7 @@ class GuessSearch {
   StageEquation& equation_;
   LinearSystem& system_;
   SolverStatistics& statistics_;
-  Handle<Vec> r_, trial_, correction_, end_, second_, last_;
+  WorkVector r_, trial_, correction_, end_, second_, last_;
   bool has_second_ = false;
   bool has_last_ = false;  // last_ is the solution of the stage before
 };

@@ -54,7 +54,7 @@ LinearSystem::LinearSystem(Objective& objective, KSP ksp, Handle<Mat> K, SolverS
       ksp_(ksp),
       K_(std::move(K)),
       preconditioner_(shared_preconditioner(ksp)),
-      diagonal_(equation_.make_vector()),
+      diagonal_(equation_),
       factor_(solver_of(ksp)),
       may_choose_krylov_(is_of_type(ksp, KSPCG) && equation_.symmetry() == Symmetry::symmetric) {
   for (std::size_t k = 0; k < equation_.num_rank_one(); ++k) parts_.push_back({0.0, equation_.make_vector()});
@@ -161,6 +161,8 @@ void LinearSystem::factorize(Vec q, Indefinite indefinite) {
   if (uses_near_null_space(preconditioner_.get())) equation_.follow_rigid_motions(q, K_.get());
   factor_.note_set_up(set_up_preconditioner(preconditioner_.get(),
                                             bordered_ ? bordered_->inner_matrix(K_.get()) : K_.get(), indefinite));
+  // The next set-up has others; these are six vectors.
+  if (uses_near_null_space(preconditioner_.get())) check(MatSetNearNullSpace(K_.get(), nullptr));
   statistics_.uses_multigrid_instead = uses_multigrid_instead(preconditioner_.get());
   const auto clear_border = [&](Vec x) {
     if (bordered_) bordered_->clear_border(x);

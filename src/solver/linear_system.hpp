@@ -3,6 +3,7 @@
 
 #include "energy/rank_one.hpp"
 #include "petsc/handle.hpp"
+#include "petsc/work_vector.hpp"
 #include "solver/bordered_system.hpp"
 #include "solver/corotated_preconditioner.hpp"
 #include "solver/escalation.hpp"
@@ -130,7 +131,7 @@ class LinearSystem {
   KSP ksp_;
   Handle<Mat> K_;
   Handle<PC> preconditioner_;  // of K
-  Handle<Vec> diagonal_;
+  WorkVector diagonal_;
   std::vector<RankOne> parts_;                          // rank-one terms of the Hessian, in addition to K
   std::unique_ptr<RankOneSystem> rank_one_;             // nullptr if there are no such parts
   std::unique_ptr<NodalRotations> rotations_;           // since the factorization; nullptr if it does not rotate

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace pliant {
 namespace {
@@ -35,12 +36,15 @@ double dot(Vec a, Vec b) {
   return result;
 }
 
-Merit::Merit(Handle<Vec> unknowns) : scale_(std::move(unknowns)) {
-  forget_scale();
-}
+Merit::Merit(std::function<Handle<Vec>()> make)
+    : scale_([make = std::move(make)] {
+        Handle<Vec> ones = make();
+        check(VecSet(ones.get(), 1.0));
+        return ones;
+      }) {}
 
 void Merit::forget_scale() {
-  check(VecSet(scale_.get(), 1.0));
+  if (scale_.is_used()) check(VecSet(scale_.get(), 1.0));
 }
 
 void Merit::set_scale(Vec diagonal) {

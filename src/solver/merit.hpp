@@ -2,6 +2,7 @@
 #pragma once
 
 #include "petsc/handle.hpp"
+#include "petsc/work_vector.hpp"
 
 namespace pliant {
 
@@ -14,8 +15,8 @@ double dot(Vec a, Vec b);
 /// the absolute diagonal of a Hessian [N/m].
 class Merit {
  public:
-  /// D = 1 until `set_scale`. `unknowns`: a vector that becomes this object's storage. Collective.
-  explicit Merit(Handle<Vec> unknowns);
+  /// D = 1 until `set_scale`. `make`: makes a vector of the unknowns, for this object's storage.
+  explicit Merit(std::function<Handle<Vec>()> make);
 
   /// Takes D from the diagonal of K; zero entries are replaced by the mean. Collective.
   void set_scale(Vec diagonal);
@@ -28,7 +29,7 @@ class Merit {
   double of_step(Vec d) const;
 
  private:
-  Handle<Vec> scale_;  // D
+  WorkVector scale_;  // D
 };
 
 }  // namespace pliant

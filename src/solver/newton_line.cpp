@@ -19,7 +19,7 @@ NewtonLine::NewtonLine(Objective& objective, LinearSystem& system, SNES snes, So
       statistics_(statistics),
       d_(objective.equation().make_vector()),
       r_(objective.equation().make_vector()),
-      correction_(objective.equation().make_vector()) {}
+      correction_(objective.equation()) {}
 
 LineStart NewtonLine::lay(Vec q, Vec r, Vec y, Vec trial, double value) {
   q_ = q;

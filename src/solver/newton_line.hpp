@@ -2,6 +2,7 @@
 #pragma once
 
 #include "petsc/handle.hpp"
+#include "petsc/work_vector.hpp"
 #include "solver/line_search.hpp"
 #include "solver/linear_system.hpp"
 #include "solver/objective.hpp"
@@ -38,7 +39,8 @@ class NewtonLine final : public SearchLine {
   LinearSystem& system_;
   SNES snes_;
   SolverStatistics& statistics_;
-  Handle<Vec> d_, r_, correction_;
+  Handle<Vec> d_, r_;
+  WorkVector correction_;
   Vec q_ = nullptr, trial_ = nullptr;
   double length_ = 0.0;  // step length of the point in trial_
 };

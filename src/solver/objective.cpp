@@ -7,10 +7,10 @@ namespace pliant {
 Objective::Objective(StageEquation& equation, SolverStatistics& statistics)
     : equation_(equation),
       statistics_(statistics),
-      r_(equation.make_vector()),
-      before_(equation.make_vector()),
-      diagonal_(equation.make_vector()),
-      merit_(equation.make_vector()) {}
+      r_(equation),
+      before_(equation),
+      diagonal_(equation),
+      merit_([&equation] { return equation.make_vector(); }) {}
 
 void Objective::begin_stage(const StagePoint& stage) {
   start_ = stage.q0;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "energy/stage_equation.hpp"
-#include "petsc/handle.hpp"
+#include "petsc/work_vector.hpp"
 #include "solver/merit.hpp"
 #include "solver/proximal.hpp"
 #include "solver/statistics.hpp"
@@ -71,7 +71,7 @@ class Objective {
  private:
   StageEquation& equation_;
   SolverStatistics& statistics_;
-  Handle<Vec> r_, before_, diagonal_;
+  WorkVector r_, before_, diagonal_;
   Merit merit_;
   Proximal proximal_;
   Vec start_ = nullptr;

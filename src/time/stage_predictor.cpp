@@ -8,12 +8,26 @@
 #include <utility>
 
 namespace pliant {
-StagePredictor::StagePredictor(int num_stages, Vec like) : stages_(static_cast<std::size_t>(num_stages)) {
+namespace {
+
+WorkVector vector_like(Vec like) {
+  return WorkVector([like] {
+    Handle<Vec> vector;
+    check(VecDuplicate(like, vector.out()));
+    return vector;
+  });
+}
+
+}  // namespace
+
+StagePredictor::StagePredictor(int num_stages, Vec like)
+    : stages_(static_cast<std::size_t>(num_stages)),
+      missed_(vector_like(like)),
+      polynomial_(vector_like(like)),
+      caller_(vector_like(like)) {
   for (Stage& stage : stages_) {
-    stage.a.resize(depth + 1);
-    for (Handle<Vec>& a : stage.a) check(VecDuplicate(like, a.out()));
+    for (std::size_t r = 0; r <= depth; ++r) stage.a.push_back(vector_like(like));
   }
-  for (Handle<Vec>* x : {&missed_, &polynomial_, &caller_}) check(VecDuplicate(like, x->out()));
 }
 
 void StagePredictor::begin() {
@@ -65,7 +79,7 @@ void StagePredictor::end_stage(std::size_t number, Vec a) {
   check(VecCopy(polynomial_.get(), caller_.get()));
   if (number > 0) check(VecAXPY(caller_.get(), -1.0, missed_.get()));
   check(VecNorm(caller_.get(), NORM_2, &stage.tried.error_of_polynomial));
-  std::swap(missed_, polynomial_);
+  if (stages_.size() > 1) std::swap(missed_, polynomial_);
 }
 
 void StagePredictor::accept() {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "petsc/archive.hpp"
-#include "petsc/handle.hpp"
+#include "petsc/work_vector.hpp"
 
 #include <array>
 #include <vector>
@@ -20,7 +20,7 @@ namespace pliant {
 /// Invariant: an attempt leaves no trace unless it is accepted, or a prediction was withdrawn.
 class StagePredictor {
  public:
-  /// Collective.
+  /// Vectors are made like `like`, which outlives the object. Collective.
   StagePredictor(int num_stages, Vec like);
 
   /// Begins an attempt.
@@ -52,7 +52,7 @@ class StagePredictor {
   };
 
   struct Stage {
-    std::vector<Handle<Vec>> a;             // accelerations: of the attempt, then of past steps, newest first
+    std::vector<WorkVector> a;              // accelerations: of the attempt, then of past steps, newest first
     std::array<double, depth + 1> times{};  // of the stages
     std::size_t num_past = 0;
     Lesson tried, accepted;
@@ -62,11 +62,11 @@ class StagePredictor {
   void extrapolate(const Stage& stage, double time);
 
   std::vector<Stage> stages_;
-  std::size_t num_ended_ = 0;        // stages of the attempt
-  bool has_polynomial_ = false;      // for the present stage
-  bool is_by_polynomial_ = false;    // the present prediction
-  Handle<Vec> missed_;               // by the polynomial at the stage before
-  Handle<Vec> polynomial_, caller_;  // predictions for the present stage
+  std::size_t num_ended_ = 0;       // stages of the attempt
+  bool has_polynomial_ = false;     // for the present stage
+  bool is_by_polynomial_ = false;   // the present prediction
+  WorkVector missed_;               // by the polynomial at the stage before
+  WorkVector polynomial_, caller_;  // predictions for the present stage
 };
 
 }  // namespace pliant

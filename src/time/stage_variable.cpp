@@ -5,7 +5,7 @@
 namespace pliant {
 
 StageVariable::StageVariable(const Method& method, Vec layout) {
-  for (Handle<Vec>* x : {&base_, &start_, &stage_}) check(VecDuplicate(layout, x->out()));
+  for (Handle<Vec>* x : {&base_, &stage_}) check(VecDuplicate(layout, x->out()));
   if (method.stiffly_accurate) {
     end_ = stage_.share();
   } else {
@@ -15,6 +15,11 @@ StageVariable::StageVariable(const Method& method, Vec layout) {
   for (Handle<Vec>& x : increments_) {
     check(VecDuplicate(layout, x.out()));
     borrowed_.push_back(x.get());
+  }
+  if (increments_.empty()) {
+    start_ = base_.share();
+  } else {
+    check(VecDuplicate(layout, start_.out()));
   }
 }
 
@@ -28,7 +33,7 @@ void StageVariable::set_base(std::span<const Vec> past, std::span<const double> 
 }
 
 void StageVariable::start_stage(std::span<const double> At_i) {
-  check(VecCopy(base_.get(), start_.get()));
+  if (start_.get() != base_.get()) check(VecCopy(base_.get(), start_.get()));
   if (At_i.empty()) return;
   check(VecMAXPY(start_.get(), static_cast<PetscInt>(At_i.size()), At_i.data(), borrowed_.data()));
 }

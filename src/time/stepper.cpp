@@ -22,7 +22,7 @@ Stepper::Stepper(const Method& method, System system, const StateView& like)
     embedded_.push_back(method_.bt[i] - method_.bt_embedded[i]);
   if (method_.symplectic && method_.num_stages > 1) check(VecDuplicate(like.v, midpoint_rest_.out()));
   const auto l = static_cast<std::size_t>(method_.num_steps);
-  if (system_.guess == Guess::predicted && !system_.space) predictor_.emplace(method_.num_stages, like.v);
+  if (system_.guess == Guess::predicted && !system_.space) predictor_.emplace(method_.num_stages, a_.get());
   if (system_.space) {
     check(VecDuplicate(like.v, rate_.out()));
     check(VecDuplicate(like.q, end_q_.out()));

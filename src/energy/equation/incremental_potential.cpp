@@ -51,7 +51,10 @@ StagePoint IncrementalPotential::enter(const StagePoint& stage, Vec q, Vec xi) {
 
 void IncrementalPotential::freeze(Vec q) {
   exceeds_bound_ = terms_.arrays().stage().exceeds_bound = false;
-  terms_.arrays().freeze(q);
+  const auto needs_it = [](const EnergyTerm* term) {
+    return term->declaration().refreezes || term->declaration().has_frozen_coefficients;
+  };
+  if (std::ranges::any_of(terms_.all(), needs_it)) terms_.arrays().freeze(q);
 }
 
 bool IncrementalPotential::refreeze(Vec q) {

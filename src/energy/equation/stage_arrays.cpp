@@ -7,7 +7,6 @@ namespace pliant {
 StageArrays::StageArrays(const NodeLayout& layout, std::vector<const PairCoupling*> couplings,
                          const std::vector<char>& prescribed)
     : layout_(layout), couplings_(std::move(couplings)) {
-  for (Copy* copy : {&q_, &d_, &q0_, &v0_, &accepted_, &previous_, &frozen_}) copy->ghosted = make_vector(layout);
   if (!couplings_.empty()) pairs_ = std::make_unique<PairAssembly>(layout, couplings_, prescribed);
 }
 

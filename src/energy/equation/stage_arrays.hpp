@@ -3,7 +3,7 @@
 
 #include "energy/pairs/pair_assembly.hpp"
 #include "energy/term.hpp"
-#include "petsc/handle.hpp"
+#include "petsc/work_vector.hpp"
 #include "time/stage.hpp"
 
 #include <memory>
@@ -14,8 +14,7 @@
 namespace pliant {
 
 /// Copies of the vectors of a stage with the ghosts of cells and, where terms couple pairs, the far nodes of these. All
-/// spans that it gives, those of the stage included, are of one length; they hold until the next call. Memory is taken
-/// once.
+/// spans that it gives, those of the stage included, are of one length; they hold until the next call.
 class StageArrays {
  public:
   /// `couplings`: of the terms that couple pairs. The references outlive the object.
@@ -53,7 +52,8 @@ class StageArrays {
 
  private:
   struct Copy {
-    Handle<Vec> ghosted;
+    explicit Copy(const NodeLayout& layout) : ghosted([&layout] { return make_vector(layout); }) {}
+    WorkVector ghosted;
     std::vector<double> extended;  // with far nodes; empty if there are no pairs
   };
   std::span<const double> copied(Vec v, Copy& copy);
@@ -65,7 +65,7 @@ class StageArrays {
   std::vector<const PairCoupling*> couplings_;
   std::unique_ptr<PairAssembly> pairs_;
   LocalStage stage_;
-  Copy q_, d_, q0_, v0_, accepted_, previous_, frozen_;
+  Copy q_{layout_}, d_{layout_}, q0_{layout_}, v0_{layout_}, accepted_{layout_}, previous_{layout_}, frozen_{layout_};
 };
 
 }  // namespace pliant

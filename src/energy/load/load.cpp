@@ -63,7 +63,10 @@ class Sampler {
     }
   }
 
-  LoadSamples take() { return std::move(samples_); }
+  LoadSamples take() {
+    samples_.weights.shrink_to_fit();
+    return std::move(samples_);
+  }
 
  private:
   const NodeLayout& layout_;
@@ -81,6 +84,7 @@ LoadSamples cell_samples_of(const NodeLayout& layout, const std::vector<double>&
     cells.push_back(c);
   }
   LoadSamples samples = sampler.take();
+  cells.shrink_to_fit();
   samples.cells = std::move(cells);
   return samples;
 }
@@ -187,13 +191,15 @@ Variation variation_of(const std::array<Expression, 3>& value) {
 }
 
 DeadLoad::DeadLoad(const NodeLayout& layout, LoadSamples samples, std::array<Expression, 3> value)
-    : num_owned_nodes_(layout.num_owned_nodes),
+    : layout_(layout),
+      num_owned_nodes_(layout.num_owned_nodes),
       size_(3 * static_cast<std::size_t>(layout.num_local_nodes)),
       value_(std::move(value)),
       samples_(std::move(samples)) {
   if (variation_of(value_) == Variation::uniform) {
     nodal_weights_.assign(layout.num_local_nodes, 0.0);
-    if (!samples_.cells.empty()) cell_weights_.assign(samples_.nodes.size(), 0.0);
+    const bool has_few_points = samples_.points_per_item < samples_.nodes_per_item;
+    if (!samples_.cells.empty() && !has_few_points) cell_weights_.assign(samples_.nodes.size(), 0.0);
     for (std::size_t p = 0; p < samples_.weights.size(); ++p) {
       const std::size_t item = p / samples_.points_per_item, q = p % samples_.points_per_item;
       for (int a = 0; a < samples_.nodes_per_item; ++a) {
@@ -203,9 +209,11 @@ DeadLoad::DeadLoad(const NodeLayout& layout, LoadSamples samples, std::array<Exp
         if (!cell_weights_.empty()) cell_weights_[place] += weight;
       }
     }
-    LoadSamples of_cells;
-    if (!cell_weights_.empty()) of_cells.nodes = std::move(samples_.nodes);
-    of_cells.cells = std::move(samples_.cells);
+    LoadSamples of_cells{samples_.nodes_per_item, samples_.points_per_item, {}, std::move(samples_.cells), {}, {}, {}};
+    if (!of_cells.cells.empty() && has_few_points) {
+      of_cells.shapes = std::move(samples_.shapes);
+      of_cells.weights = std::move(samples_.weights);
+    }
     samples_ = std::move(of_cells);
   } else if (!depends_on_time() && std::ranges::none_of(value_, &Expression::is_replaceable)) {
     constant_ = sampled(0.0);
@@ -275,15 +283,27 @@ double DeadLoad::energy(std::span<const double> q, std::span<const double> /*z*/
 
 void DeadLoad::add_cell_works(const LocalStage& stage, std::span<const double> /*q*/, std::span<const double> d,
                               std::span<double> works) const {
-  if (cell_weights_.empty()) return;
+  if (nodal_weights_.empty()) return;
   std::array<double, 3> density{};
   for (std::size_t i = 0; i < 3; ++i) density[i] = stage.load_factor * value_[i](0.0, 0.0, 0.0, stage.time);
-  const std::size_t n = samples_.nodes.size() / samples_.cells.size();
-  for (std::size_t k = 0; k < samples_.nodes.size(); ++k) {
-    const double* const at = d.data() + 3 * static_cast<std::size_t>(samples_.nodes[k]);
-    const double along = density[0] * at[0] + density[1] * at[1] + density[2] * at[2];
-    works[static_cast<std::size_t>(samples_.cells[k / n])] -= cell_weights_[k] * along;
+  for (std::size_t item = 0; item < samples_.cells.size(); ++item) {
+    const PetscInt cell = samples_.cells[item];
+    const auto nodes = layout_.nodes_of_cell(cell);
+    for (std::size_t a = 0; a < nodes.size(); ++a) {
+      const double* const at = d.data() + 3 * static_cast<std::size_t>(nodes[a]);
+      const double along = density[0] * at[0] + density[1] * at[1] + density[2] * at[2];
+      works[static_cast<std::size_t>(cell)] -= weight_in_cell(item, a) * along;
+    }
   }
+}
+
+double DeadLoad::weight_in_cell(std::size_t item, std::size_t node) const {
+  if (!cell_weights_.empty()) return cell_weights_[item * static_cast<std::size_t>(samples_.nodes_per_item) + node];
+  const auto num_points = static_cast<std::size_t>(samples_.points_per_item);
+  double weight = 0.0;
+  for (std::size_t q = 0; q < num_points; ++q)
+    weight += samples_.weights[item * num_points + q] * samples_.shapes[q][node];
+  return weight;
 }
 
 void DeadLoad::add_gradient(const LocalStage& stage, std::span<const double>, std::span<double> r) const {

@@ -48,7 +48,7 @@ Variation variation_of(const std::array<Expression, 3>& value);
 
 class DeadLoad final : public EnergyTerm {
  public:
-  /// `value` [N per unit of the samples' weights], a function of X and t.
+  /// `value` [N per unit of the samples' weights], a function of X and t. The layout outlives the object.
   DeadLoad(const NodeLayout& layout, LoadSamples samples, std::array<Expression, 3> value);
 
   std::string_view name() const override { return "load"; }
@@ -78,12 +78,15 @@ class DeadLoad final : public EnergyTerm {
   void for_each_sample(double time, Add add) const;
   std::vector<double> sampled(double time) const;
 
+  double weight_in_cell(std::size_t item, std::size_t node) const;
+
+  const NodeLayout& layout_;
   PetscInt num_owned_nodes_;
   std::size_t size_;
   std::array<Expression, 3> value_;
-  LoadSamples samples_;                // kept only if the load varies in space, and in time or by replacement
-  std::vector<double> nodal_weights_;  // if it is uniform in space
-  std::vector<double> cell_weights_;   // likewise, of the nodes of each cell; samples_ has its nodes and number
+  LoadSamples samples_;                // if the load varies in space, and in time or by replacement
+  std::vector<double> nodal_weights_;  // if it is uniform in space; then samples_ has the cells, and their samples or
+  std::vector<double> cell_weights_;   // instead, if they are fewer, the weights of the nodes of each cell
   std::vector<double> constant_;       // if it varies in space alone
 };
 
