@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace pliant {
@@ -18,6 +19,8 @@ namespace {
 constexpr double edge_flatness = 1e-9;
 /// A facet lies along a plane if the angle between their normals has more than this cosine.
 constexpr double along_plane = 0.7;
+/// Places in one plane differ by less than this part of the size of a loop: meshes have rounding errors.
+constexpr double loop_flatness = 1e-9;
 /// Vector areas of loops below this part of the square of their length are rounding errors.
 constexpr double no_area = 1e-6;
 
@@ -116,11 +119,12 @@ double third_of_flux(const NodeLayout& layout, const FacetList& facets) {
 
 /// The data of an edge that ranks exchange.
 struct EdgeRecord {
-  PetscInt start = 0, end = 0;    ///< global nodes
-  int plane = -1;                 ///< RimEdge::plane, or -1
-  Vector3<double> X{}, moment{};  ///< of the start [m]; of the edge [m^2]
-  double length = 0.0;            ///< [m]
-  int is_along_wall = 0;          ///< its facet lies along the plane
+  PetscInt start = 0, end = 0;   ///< global nodes
+  int plane = -1;                ///< RimEdge::plane, or -1
+  Vector3<double> X{}, end_X{};  ///< of the start and of the end [m]
+  Vector3<double> moment{};      ///< of the edge [m^2]
+  double length = 0.0;           ///< [m]
+  int is_along_wall = 0;         ///< its facet lies along the plane
 };
 
 std::vector<EdgeRecord> records(const NodeLayout& layout, const std::vector<RimEdge>& edges) {
@@ -128,7 +132,7 @@ std::vector<EdgeRecord> records(const NodeLayout& layout, const std::vector<RimE
   for (const RimEdge& e : edges) {
     const Vector3<double> from = layout.position(e.nodes[0]), to = layout.position(e.nodes[1]);
     const bool is_along_wall = e.plane && std::abs(e.normal[static_cast<std::size_t>(*e.plane)]) > along_plane;
-    result.push_back({layout.global_node(e.nodes[0]), layout.global_node(e.nodes[1]), e.plane.value_or(-1), from,
+    result.push_back({layout.global_node(e.nodes[0]), layout.global_node(e.nodes[1]), e.plane.value_or(-1), from, to,
                       layout.order == 1 ? moment<1>(layout, e) : moment<2>(layout, e), norm(to - from),
                       is_along_wall ? 1 : 0});
   }
@@ -140,28 +144,125 @@ struct Loop {
   int num_edges = 0;
   Vector3<double> sum_of_starts{}, moment{};
   std::array<std::optional<double>, 3> plane;  ///< the place of the plane in each direction
-  bool has_one_apex = true;
+  std::optional<UnknownLid> parallel;          ///< two planes in one direction
+  std::vector<EdgeRecord> held;
   double length = 0.0;
-  bool is_held_somewhere = false, slides_along_walls = false;
+  bool slides_along_walls = false;
   void add(const EdgeRecord& e) {
     ++num_edges;
     length += e.length;
-    is_held_somewhere = is_held_somewhere || e.plane < 0;
     slides_along_walls = slides_along_walls || e.is_along_wall != 0;
     sum_of_starts = sum_of_starts + e.X;
     moment = moment + e.moment;
-    if (e.plane < 0) return;
+    if (e.plane < 0) {
+      held.push_back(e);
+      return;
+    }
     const auto k = static_cast<std::size_t>(e.plane);
-    const double size = std::abs(e.X[k]) + std::sqrt(std::sqrt(dot(e.moment, e.moment)));
-    if (plane[k] && std::abs(*plane[k] - e.X[k]) > 1e-9 * size) has_one_apex = false;
+    if (plane[k] && std::abs(*plane[k] - e.X[k]) > loop_flatness * (norm(e.X) + e.length)) {
+      parallel = UnknownLid{e.plane, {*plane[k], e.X[k]}};
+    }
     plane[k] = e.X[k];
   }
-  Vector3<double> apex() const {
-    Vector3<double> c{};
-    for (int k = 0; k < 3; ++k) c[k] = plane[k].value_or(sum_of_starts[k] / num_edges);
-    return c;
+  bool slides() const {
+    return std::ranges::any_of(plane, [](const auto& place) { return place.has_value(); });
   }
 };
+
+/// Held edges of a loop that follow one another, in the order of the loop.
+using Chain = std::vector<EdgeRecord>;
+
+/// The places that the planes of sliding edges fix.
+std::array<bool, 3> planes_at(const Loop& loop, const Vector3<double>& x) {
+  std::array<bool, 3> result{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    result[k] = loop.plane[k] && std::abs(x[k] - *loop.plane[k]) <= loop_flatness * (norm(x) + loop.length);
+  }
+  return result;
+}
+
+/// The chains of the edges that are held outside of the planes in which others slide.
+std::vector<Chain> chains_of(const Loop& loop) {
+  std::map<PetscInt, EdgeRecord> by_start;
+  std::set<PetscInt> ends;
+  for (const EdgeRecord& edge : loop.held) {
+    const auto at_start = planes_at(loop, edge.X), at_end = planes_at(loop, edge.end_X);
+    bool slides_too = false;
+    for (std::size_t k = 0; k < 3; ++k) slides_too = slides_too || (at_start[k] && at_end[k]);
+    if (slides_too) continue;
+    by_start[edge.start] = edge;
+    ends.insert(edge.end);
+  }
+  std::vector<Chain> chains;
+  for (const auto& [start, first] : by_start) {
+    if (ends.contains(start)) continue;
+    Chain& chain = chains.emplace_back();
+    for (auto at = by_start.find(start); at != by_start.end(); at = by_start.find(chain.back().end)) {
+      chain.push_back(at->second);
+      if (chain.size() > by_start.size()) break;  // a loop that meets itself
+    }
+  }
+  return chains;
+}
+
+/// The place in direction k of the plane in which a chain lies.
+std::optional<double> place_of(const Loop& loop, const Chain& chain, std::size_t k) {
+  const double place = chain.front().X[k];
+  const bool is_flat = std::ranges::all_of(chain, [&](const EdgeRecord& edge) {
+    return std::abs(edge.end_X[k] - place) <= loop_flatness * (norm(edge.end_X) + loop.length);
+  });
+  return is_flat ? std::optional(place) : std::nullopt;
+}
+
+/// The way on which the lid of a chain ends, from the chain's end to its start, in the planes of sliding edges there.
+std::optional<std::vector<Vector3<double>>> way_back(const Loop& loop, const Chain& chain) {
+  const Vector3<double> from = chain.back().end_X, to = chain.front().X;
+  const auto at_from = planes_at(loop, from), at_to = planes_at(loop, to);
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (at_from[k] && at_to[k]) return std::vector{from, to};
+  }
+  // Two planes, and the lid's across their line.
+  Vector3<double> corner = from;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (at_from[k]) continue;
+    if (at_to[k]) {
+      corner[k] = to[k];
+    } else if (const auto place = place_of(loop, chain, k)) {
+      corner[k] = *place;
+    } else {
+      return std::nullopt;
+    }
+  }
+  return std::vector{from, corner, to};
+}
+
+/// The sum of apex . moment over the lids of a loop: that of each chain of held edges, plane, and the rest in the
+/// planes in which edges slide. Without these, the one to the middle of the loop.
+std::variant<double, UnknownLid> moments_of_lids(const Loop& loop) {
+  if (loop.parallel) return *loop.parallel;
+  Vector3<double> apex{}, rest = loop.moment;
+  for (std::size_t k = 0; k < 3; ++k) apex[k] = loop.plane[k].value_or(loop.sum_of_starts[k] / loop.num_edges);
+  double total = 0.0;
+  if (loop.slides()) {
+    for (const Chain& chain : chains_of(loop)) {
+      const auto way = way_back(loop, chain);
+      if (!way) return UnknownLid{};
+      Vector3<double> moment{};
+      for (const EdgeRecord& edge : chain) moment = moment + edge.moment;
+      for (std::size_t i = 1; i < way->size(); ++i) moment = moment + cross((*way)[i - 1], (*way)[i]);
+      // Any place in the lid's plane; a lid that bends has none.
+      const Vector3<double> place = chain.front().X;
+      const auto height = [&](const Vector3<double>& x) { return std::abs(dot(moment, x - place)); };
+      const double rounding = std::sqrt(loop_flatness) * norm(moment) * loop.length;
+      if (std::ranges::any_of(chain, [&](const EdgeRecord& edge) { return height(edge.end_X) > rounding; })) {
+        return UnknownLid{};
+      }
+      total += dot(place, moment);
+      rest = rest - moment;
+    }
+  }
+  return total + dot(apex, rest);
+}
 
 /// The loops of the rim, on every rank.
 std::vector<Loop> loops_of(const NodeLayout& layout, const std::vector<RimEdge>& edges) {
@@ -221,7 +322,7 @@ Rim classify(const NodeLayout& layout, std::vector<RimEdge>& edges, const Prescr
 // A lid in planes has its vector area, half the sum of the moments, along their normals.
 bool planes_close(const NodeLayout& layout, const std::vector<RimEdge>& edges) {
   for (const Loop& loop : loops_of(layout, edges)) {
-    if (loop.is_held_somewhere || !loop.slides_along_walls) continue;
+    if (!loop.held.empty() || !loop.slides_along_walls) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       if (!loop.plane[k] && std::abs(loop.moment[k]) > no_area * loop.length * loop.length) return false;
     }
@@ -229,13 +330,14 @@ bool planes_close(const NodeLayout& layout, const std::vector<RimEdge>& edges) {
   return true;
 }
 
-std::optional<double> volume_behind(const NodeLayout& layout, const FacetList& facets,
-                                    const std::vector<RimEdge>& edges) {
+std::variant<double, UnknownLid> volume_behind(const NodeLayout& layout, const FacetList& facets,
+                                               const std::vector<RimEdge>& edges) {
   double volume =
       sum(layout.comm, layout.order == 1 ? third_of_flux<1>(layout, facets) : third_of_flux<2>(layout, facets));
   for (const Loop& loop : loops_of(layout, edges)) {
-    if (!loop.has_one_apex) return {};
-    volume -= dot(loop.apex(), loop.moment) / 6.0;
+    const auto moments = moments_of_lids(loop);
+    if (const auto* unknown = std::get_if<UnknownLid>(&moments)) return *unknown;
+    volume -= std::get<double>(moments) / 6.0;
   }
   return -volume;
 }

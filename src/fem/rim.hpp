@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <variant>
 #include <vector>
 
 namespace pliant {
@@ -49,10 +50,17 @@ Rim classify(const NodeLayout& layout, std::vector<RimEdge>& edges, const Prescr
 /// called after `classify`. Collective.
 bool planes_close(const NodeLayout& layout, const std::vector<RimEdge>& edges);
 
-/// The volume behind the surface in the reference configuration [m^3], positive if the facets face into it: each loop
-/// of the rim is closed by the cone to a point, the intersection of its planes, or else the centre of the loop. Nothing
-/// if a loop lies in two parallel planes, which have no such point. Collective.
-std::optional<double> volume_behind(const NodeLayout& layout, const FacetList& facets,
-                                    const std::vector<RimEdge>& edges);
+/// Why the lids of a loop do not follow from it.
+struct UnknownLid {
+  std::optional<int> direction;    ///< edges slide in two planes of constant x, y or z; nothing: edges that are held,
+                                   ///< between some that slide, lie in no plane
+  std::array<double, 2> places{};  ///< of the two planes [m]
+};
+
+/// The volume behind the surface in the reference configuration [m^3], positive if the facets face into it. Lids close
+/// the loops of the rim: plane ones where edges slide in planes, and across edges that are held between these; a cone
+/// to its middle where a loop is held all around. Collective.
+std::variant<double, UnknownLid> volume_behind(const NodeLayout& layout, const FacetList& facets,
+                                               const std::vector<RimEdge>& edges);
 
 }  // namespace pliant

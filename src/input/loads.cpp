@@ -1,5 +1,7 @@
 #include "input/loads.hpp"
 
+#include <algorithm>
+
 namespace pliant {
 namespace {
 
@@ -28,6 +30,22 @@ const VectorExpression* vector_of(const LoadConfig& load) {
 std::optional<FoundationCoefficients> foundation_of(const LoadConfig& load) {
   if (const auto* surface = std::get_if<LoadConfig::Foundation>(&load.kind)) return coefficients_of(*surface);
   if (const auto* point = std::get_if<LoadConfig::PointFoundation>(&load.kind)) return coefficients_of(*point);
+  return std::nullopt;
+}
+
+std::optional<Location> load_at_once(const Config& config) {
+  const auto acts = [](const Expression& value) { return value(0.0, 0.0, 0.0, 0.0) != 0.0; };
+  for (const LoadConfig& load : config.loads) {
+    const VectorExpression* vector = vector_of(load);
+    const auto* pressure = std::get_if<LoadConfig::Pressure>(&load.kind);
+    if (vector != nullptr ? std::ranges::any_of(*vector, acts) : pressure != nullptr && acts(pressure->value)) {
+      return load.where;
+    }
+  }
+  for (const CavityConfig& cavity : config.cavities) {
+    const auto* pressure = std::get_if<CavityConfig::GivenPressure>(&cavity.content);
+    if (pressure != nullptr && acts(pressure->value)) return cavity.where;
+  }
   return std::nullopt;
 }
 

@@ -84,24 +84,30 @@ double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const Fac
                                  "displacement 0",
                                  cavity.name, describe(cavity.part)));
   }
-  const auto behind = volume_behind(layout, walls, edges);
+  const auto behind_or_not = volume_behind(layout, walls, edges);
   if (cavity.volume) return *cavity.volume;
-  if (!behind) {
-    throw InputError(cavity.where,
-                     fmt::format("the cavity '{}' is open between two parallel planes, so that its volume "
-                                 "does not follow from its walls; give its `volume`",
-                                 cavity.name));
+  if (const auto* unknown = std::get_if<UnknownLid>(&behind_or_not)) {
+    const std::string why =
+        unknown->direction
+            ? fmt::format("is open between two parallel planes ({0} = {1:.6g} m and {0} = {2:.6g} m)",
+                          "xyz"[*unknown->direction], std::ranges::min(unknown->places),
+                          std::ranges::max(unknown->places))
+            : std::string("ends at an edge that slides in part, and what is held of it lies in no plane");
+    throw InputError(cavity.where, fmt::format("the cavity '{}' {}, so that its volume does not follow from its walls; "
+                                               "give its `volume`",
+                                               cavity.name, why));
   }
-  if (*behind <= 0.0) {
+  const double behind = std::get<double>(behind_or_not);
+  if (behind <= 0.0) {
     throw InputError(
         cavity.where,
         fmt::format("{} encloses no cavity: the volume that it faces is {:.3g} m^3, because its normals, "
                     "which point out of the material, point outwards from what it surrounds; name only the "
                     "inner faces, which surround the hollow, as a physical surface of their own, or give "
                     "the `volume`",
-                    describe(cavity.part), *behind));
+                    describe(cavity.part), behind));
   }
-  return *behind;
+  return behind;
 }
 
 }  // namespace

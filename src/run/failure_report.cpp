@@ -100,6 +100,10 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
   if (stage != nullptr && stage->lacks_memory) {
     return {"more memory per rank (fewer ranks on a machine, more machines), solver.linear: amg, a coarser mesh"};
   }
+  if (!report.load_at_once.empty()) {
+    result.push_back(fmt::format("the load at {} acts at once in its full size: let it grow, as \"1e3*min(t/0.1, 1)\"",
+                                 report.load_at_once));
+  }
   const auto is_changed = [](const NewtonIteration& it) { return it.hessian != NewtonIteration::Hessian::exact; };
   if (report.has_load_steps && iterations != nullptr && std::ranges::any_of(*iterations, is_changed)) {
     result.emplace_back(

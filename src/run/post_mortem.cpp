@@ -2,6 +2,7 @@
 
 #include "base/file.hpp"
 #include "fem/deformed_cell.hpp"
+#include "input/loads.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
@@ -192,6 +193,8 @@ std::string write_post_mortem(const Config& config, const Model& model, const St
   report.max_iterations = config.solver.newton.max_iterations;
   const bool is_static = analysis_of(config) == Analysis::static_equilibrium;
   report.has_load_steps = is_static && !config.time.path;
+  const auto sudden = analysis_of(config) == Analysis::quasistatic ? load_at_once(config) : std::nullopt;
+  if (sudden && last_good.step == 0) report.load_at_once = to_string(*sudden);
   report.has_barriers = config.contact && config.contact->has_barrier();
   report.shorter_steps = is_static              ? "more load_steps"
                          : config.time.adaptive ? "a smaller time.step or time.adaptive.min_step"

@@ -34,6 +34,8 @@ CASES = {
                            "solver.newton.max_iterations=50", "loads=[]"), "inverts tetrahedra", False),
     "static": (("time={method: static, load_steps: 1, end: 0.1}", "solver.newton.max_iterations=1"), "", True),
     "quadratic": (("element=P2",), "", True),
+    "quasistatic": (("time={method: quasistatic, step: 50 ms, end: 0.1, min_step: 50 ms}", "solver.newton.max_iterations=1",
+                     "loads=[{surface: right, traction: [0, 0, -5000]}]"), "acts at once", True),
     "with pressures": (("element=P2", "volumetric=mixed", "solver.newton.max_iterations=1"), "", True),
     "with a rigid part": (("constraints=[{surface: left, displacement: [0, 0, 0]}, {surface: right, rigid: {}}]",), "",
                           True),

@@ -50,5 +50,12 @@ TEST(Advice, SpeaksOfBarriersWhereThereAreSome) {
   EXPECT_TRUE(asks_for("no starting guess is clear of all barriers", report, failure));
 }
 
+TEST(Advice, LoadsGrow) {
+  FailureReport report;
+  report.load_at_once = "finger.yaml:7:5";
+  EXPECT_NE(advice(report, after({1e3, 500, 100})).front().find("the load at finger.yaml:7:5 acts at once"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace pliant
