@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -332,6 +333,7 @@ std::vector<Reaction> Constraints::reactions(Vec r, Vec q) const {
   }
   if (map_) {
     add_multipliers(r, sums);
+    add_moments_of_ties(r, q, centres, sums);
     map_->for_each_given(r, [&](const GivenTerm& term, double force) {
       if (!is_rigid(term.source)) return;
       const std::size_t s = support_of_part_[term.source];
@@ -397,6 +399,38 @@ std::vector<JointReaction> Constraints::joint_reactions(Vec r, Vec q) const {
     for (std::size_t k = 0; k < numbers.size(); ++k) result[numbers[k]] = reactions[k];
   }
   return result;
+}
+
+// What reaches held nodes through ties; the slave, and its rank, may be another than the node's.
+void Constraints::add_moments_of_ties(Vec r, Vec q, std::span<const Vector3<double>> centres,
+                                      std::vector<double>& sums) const {
+  struct TiedForce {
+    std::size_t support = 0;
+    Vector3<double> X{};  ///< of the held node
+    Vector3<double> force{};
+  };
+  std::vector<TiedForce> mine;
+  map_->for_each_given(r, [&](const GivenTerm& term, double force) {
+    if (parts_[term.source].displacement.rigid) return;
+    TiedForce& tied = mine.emplace_back(TiedForce{support_of_part_[term.source], term.X, {}});
+    tied.force[static_cast<std::size_t>(term.component)] = force;
+  });
+  const auto all = gathered(layout_.comm, mine);
+  if (all.empty()) return;
+  std::map<std::pair<std::size_t, std::array<double, 3>>, PetscInt> node_at;
+  for (std::size_t s = 0; s < supports_.size(); ++s) {
+    for (const PetscInt dof : supports_[s].dofs) node_at[{s, layout_.position(dof / 3)}] = dof / 3;
+  }
+  const ConstArrayView u(q);
+  for (const TiedForce& tied : all) {
+    const auto found = node_at.find({tied.support, {tied.X[0], tied.X[1], tied.X[2]}});
+    if (found == node_at.end()) continue;  // another rank's
+    const PetscInt node = found->second;
+    const Vector3<double> arm =
+        tied.X + Vector3<double>{u[3 * node], u[3 * node + 1], u[3 * node + 2]} - centres[tied.support];
+    const Vector3<double> moment = cross(arm, tied.force);
+    for (std::size_t i = 0; i < 3; ++i) sums[6 * tied.support + 3 + i] += moment[i];
+  }
 }
 
 // The nodes of a rigid part are counted one by one.

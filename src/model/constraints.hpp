@@ -75,6 +75,7 @@ class Constraints {
   std::vector<Vector3<double>> centres_of_supports(Vec q) const;
   void add_joints(Vec r, Vec q, std::span<const Vector3<double>> centres, std::vector<Reaction>& reactions) const;
   void add_multipliers(Vec r, std::vector<double>& sums) const;
+  void add_moments_of_ties(Vec r, Vec q, std::span<const Vector3<double>> centres, std::vector<double>& sums) const;
 
   const NodeLayout& layout_;
   std::vector<Part> parts_;  // per constraint of the input

@@ -165,6 +165,19 @@ class TiedSurfaces(ProgramTest):
                     self.assertGreater(h["elastic_energy"].max(), 1.0)
                     self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-9 * h["kinetic_energy"][0])
 
+    def test_a_clamp_that_bears_through_ties_has_the_whole_moment(self):
+        write_bodies(self.directory / "halves.msh", halves())
+        force = np.array([2e-3, -3e-3, 1e-2])
+        self.write_input(["{name: root, surface: lower_left, displacement: [0, 0, 0]}",
+                          "{surface: upper_bottom, tied_to: lower_top, tolerance: 0.02}"],
+                         f"loads: [{{surface: upper_top, traction: [{', '.join(map(str, force))}]}}]\n")
+        for ranks in (1, 3):
+            self.run_input("in.yaml", ranks=ranks)
+            h = read_history(self.directory / "out")
+            np.testing.assert_allclose([h[f"root_f{x}"][-1] for x in "xyz"], -force, rtol=1e-9)
+            moment = -np.cross([0.5, 0, 0.75], force)
+            np.testing.assert_allclose([h[f"root_t{x}"][-1] for x in "xyz"], moment, atol=1e-3 * np.abs(moment).max())
+
     def test_any_number_of_ranks_and_resumed(self):
         write_bodies(self.directory / "halves.msh", halves(3, 4, gap=0.01))
         self.write_input(["{surface: lower_bottom, displacement: [0, 0, 0]}",
