@@ -47,7 +47,7 @@ std::optional<Diagnostic> check_support(const Config& config, const NodeLayout& 
                                         std::span<const PetscInt> held, Selections& selections);
 
 /// Throws InputError at a constraint if incompressible bodies do not start undeformed. Collective.
-void require_undeformed(const Config& config, Vec q);
+void require_undeformed(const Config& config, Vec q, const std::array<double, 6>& bounds);
 
 /// Throws InputError at each probe that is far from the mesh, because it was given in another unit or for another body.
 /// A probe that is off by rounding, or by the flat facets of a round surface, is not. `bounds` of the mesh; `locations`

@@ -413,7 +413,7 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
   check(VecCopy(wanted.get(), v));
   motion().restart(before_start, q, v);
   if (is_incompressible_) {
-    require_undeformed(config, q);
+    require_undeformed(config, q, mesh_report_.bounds);
   } else if (mixed_equation_) {
     mixed_equation_->settle(q, instant_of_start());
   }

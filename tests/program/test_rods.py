@@ -5,7 +5,7 @@ import unittest
 
 import numpy as np
 
-from program import ALL_OR_SOME, LINE, ROOT, ProgramTest, box, read_history, swept, write_mesh
+from program import ALL_OR_SOME, LINE, ROOT, ProgramTest, box, read_history, swept, write_box, write_mesh
 from shell_meshes import write_patch
 
 sys.path.insert(0, str(ROOT / "src/python"))
@@ -257,6 +257,20 @@ time: {method: dirk33, step: 1 ms, end: 2 ms}
 """)
         done = self.pliant("run", "in.yaml")
         self.assertNotIn("warning", done.stdout + done.stderr)
+
+    def test_an_oblique_rod_next_to_an_incompressible_body(self):
+        """Its frames start with rounding errors, the body undeformed."""
+        write_box(self.directory / "pad.msh", (1, 1, 1), (0.1, 0.1, 0.1))
+        self.run_input(self.write("pad.yaml", """
+mesh: {file: pad.msh}
+element: P2
+volumetric: mixed
+bodies: [{density: 1000, elasticity: {model: neo-hookean-isochoric, youngs_modulus: 1 MPa, poissons_ratio: 0.5}}]
+constraints: [{surface: bottom, displacement: [0, 0, 0]}]
+rods: [{name: wire, points: [[0.3, 0, 0], [0.4, 0.1, 0.1]], segments: 2, radius: 1 mm, density: 1000, youngs_modulus: 100 MPa, poissons_ratio: 0.3}]
+time: {method: bdf2, step: 2 ms, end: 2 ms}
+"""))
+        self.assertAlmostEqual(read_history(self.directory / "out")["time"][-1], 2e-3)
 
     def test_turns_of_a_prescribed_rotation_are_kept(self):
         # The torque is G J/L times the angle, more than a turn, however long the steps: they are cut where they turn by half a turn or more.
