@@ -50,6 +50,8 @@ Convergence::Verdict Convergence::judge(int iteration, double residual, Vec q, b
     if (residual > unbalanced_part * scale_) ++statistics_.unbalanced_stops;
     return Verdict::converged;
   }
+  // Bodies at rest, of which even the forces are rounding errors: as of rods, which start with frames that are turned.
+  if (scale_ <= no_forces * objective_.equation().forces_of_rounded_places()) return Verdict::converged;
   if (iteration == 0) {
     start_ = {residual, norm(q)};
     size_at_start_ = size_of(q);

@@ -259,9 +259,9 @@ time: {method: dirk33, step: 1 ms, end: 2 ms}
         self.assertNotIn("warning", done.stdout + done.stderr)
 
     def test_an_oblique_rod_next_to_an_incompressible_body(self):
-        """Its frames start with rounding errors, the body undeformed."""
+        """Its frames start with rounding errors, the body undeformed; all of them rest, and no step is harder for that."""
         write_box(self.directory / "pad.msh", (1, 1, 1), (0.1, 0.1, 0.1))
-        self.run_input(self.write("pad.yaml", """
+        done = self.pliant("run", self.write("pad.yaml", """
 mesh: {file: pad.msh}
 element: P2
 volumetric: mixed
@@ -270,7 +270,8 @@ constraints: [{surface: bottom, displacement: [0, 0, 0]}]
 rods: [{name: wire, points: [[0.3, 0, 0], [0.4, 0.1, 0.1]], segments: 2, radius: 1 mm, density: 1000, youngs_modulus: 100 MPa, poissons_ratio: 0.3}]
 time: {method: bdf2, step: 2 ms, end: 2 ms}
 """))
-        self.assertAlmostEqual(read_history(self.directory / "out")["time"][-1], 2e-3)
+        self.assertNotIn("the steps are too long", done.stdout + done.stderr)
+        self.assertLess(sum(read_history(self.directory / "out/pad")["newton_iterations"]), 5)
 
     def test_turns_of_a_prescribed_rotation_are_kept(self):
         # The torque is G J/L times the angle, more than a turn, however long the steps: they are cut where they turn by half a turn or more.
