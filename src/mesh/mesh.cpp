@@ -158,6 +158,9 @@ Mesh read_mesh(MPI_Comm comm, const MeshSource& source) {
           "made from");
     });
     parts = read_mesh_file(comm, source);
+    if (parts.held == MeshParts::Held::on_root && num_ranks(comm) > 1) {
+      on_root(comm, [&] { parts.part = DualGraph(parts.mesh).partition(num_ranks(comm), mesh.report.edge_cut); });
+    }
   }
   mesh.groups = shared_groups(comm, parts.mesh);
   mesh.cell_data = shared_cell_data(comm, parts.mesh);

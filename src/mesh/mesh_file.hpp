@@ -35,7 +35,8 @@ std::size_t num_local_parts(int dimension);
 /// Whether the name is that of such a file (.h5, .hdf5).
 bool is_mesh_file(const std::string& file);
 
-/// Reads this rank's block of the cells, with its part of the groups and data, and its block of the nodes. Throws
+/// Reads this rank's block of the cells, with its part of the groups and data, and its block of the nodes; of a mesh
+/// that one rank can hold, rank 0 reads all (PETSc option -mesh_cells_on_root), and has still to partition it. Throws
 /// InputError at `source.where` for a file that is not of this format, of another version or incomplete, for nodes that
 /// are not finite, and for impossible cells or members of groups; the same on every rank. Collective.
 MeshParts read_mesh_file(MPI_Comm comm, const MeshSource& source);

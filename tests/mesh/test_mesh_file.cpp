@@ -39,7 +39,17 @@ void write_grouped_box(const std::string& msh) {
   write_box_msh(msh, {2, 1, 0.5}, {4, 3, 2}, options);
 }
 
-TEST(MeshFile, HasTheGroupsOfEveryDimension) {
+/// Whether rank 0 reads all of a file, or each rank its block.
+class ReadMeshFile : public ::testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override { check(PetscOptionsSetValue(nullptr, "-mesh_cells_on_root", GetParam())); }
+  void TearDown() override { check(PetscOptionsClearValue(nullptr, "-mesh_cells_on_root")); }
+};
+
+INSTANTIATE_TEST_SUITE_P(Readers, ReadMeshFile, ::testing::Values("1000000", "0"),
+                         [](const auto& of) { return std::string(of.param) == "0" ? "InBlocks" : "OnRoot"; });
+
+TEST_P(ReadMeshFile, HasTheGroupsOfEveryDimension) {
   const Scratch scratch(comm);
   const std::string msh = scratch.file("box.msh", write_grouped_box);
   const std::string h5 = scratch.file("box.h5", [&](const std::string& f) { (void)convert_mesh(source_of(msh), f); });
@@ -67,7 +77,7 @@ TEST(MeshFile, HasTheGroupsOfEveryDimension) {
 }
 
 // What keeps the state of a run apart from the ranks that it ran on.
-TEST(MeshFile, VerticesAndCellsKeepTheirNumbers) {
+TEST_P(ReadMeshFile, VerticesAndCellsKeepTheirNumbers) {
   const Scratch scratch(comm);
   const std::string msh = scratch.file("box.msh", write_grouped_box);
   const std::string h5 = scratch.file("box.h5", [&](const std::string& f) { (void)convert_mesh(source_of(msh), f); });
@@ -96,7 +106,7 @@ TEST(MeshFile, VerticesAndCellsKeepTheirNumbers) {
   }
 }
 
-TEST(MeshFile, CoordinatesAreScaledOnTheWayInAndOut) {
+TEST_P(ReadMeshFile, CoordinatesAreScaledOnTheWayInAndOut) {
   const Scratch scratch(comm);
   const std::string msh = scratch.file("box.msh", write_grouped_box);
   const std::string h5 = scratch.file("box.h5", [&](const std::string& f) {
