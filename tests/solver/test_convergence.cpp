@@ -71,8 +71,11 @@ TEST_F(ConvergenceTest, TakesTheForcesAtTheIterateWhereTheyAreMuchLess) {
 TEST_F(ConvergenceTest, WhatRestsButForRoundedPlacesHasConverged) {
   equation_.of_places = 1.0;
   EXPECT_EQ(judge(0, 50.0), Verdict::iterating);
+  EXPECT_EQ(judge(1, 49.0), Verdict::iterating);
   equation_.of_places = 20.0;
-  EXPECT_EQ(judge(0, 50.0), Verdict::converged);
+  EXPECT_EQ(judge(0, 50.0), Verdict::iterating);
+  EXPECT_EQ(judge(1, 20.0), Verdict::iterating);  // it falls
+  EXPECT_EQ(judge(2, 19.0), Verdict::converged);
   EXPECT_EQ(statistics_.rounding_stops, 0);
 }
 
