@@ -101,7 +101,7 @@ struct MeshSource {
   Commands commands = Commands::refused;
   double time_limit = 3600.0;  ///< for gmsh [s]
   /// Names or numbers of surfaces and volumes (physical groups) whose nodes may coincide with those of other parts,
-  /// because the input ties them or moves them apart.
+  /// because the input ties them, moves them apart or lets them touch.
   std::vector<std::string> meeting_parts = {};
   std::vector<AddedTetrahedron> added_tetrahedra = {};
   std::vector<AddedVolume> added_volumes = {};

@@ -312,12 +312,16 @@ std::vector<std::string> parts_that_meet(const Config& config) {
   for (const BodyConfig& body : config.bodies) {
     for (const Selection& surface : surfaces_held_by(body)) names.push_back(surface.name);
   }
-  if (!resolves_start(config)) return names;
+  if (!config.contact) return names;
+  const auto may_touch = [&](const ContactPairConfig* pair) {
+    return resolves_start(config) || config.contact->law_of(pair) == NormalKind::penalty;
+  };
   for (const ContactPairConfig& pair : config.contact->pairs.list) {
+    if (!may_touch(&pair)) continue;
     names.push_back(pair.part.value);
     if (pair.with) names.push_back(pair.with->value);
   }
-  if (config.contact->pairs.all) {
+  if (config.contact->pairs.all && may_touch(nullptr)) {
     for (const BodyConfig& body : config.bodies) names.push_back(body.part.name);
   }
   return names;

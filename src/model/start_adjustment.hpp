@@ -26,7 +26,7 @@ std::vector<Diagnostic> adjust_start(const ContactConfig& config, std::span<cons
 /// Whether surfaces are moved apart at the start.
 bool resolves_start(const Config& config);
 /// Surfaces and volumes whose nodes may coincide with those of other parts, by name or number: others are tied to them,
-/// or they are moved apart.
+/// they are moved apart, or a penalty acts between them, which lets surfaces touch.
 std::vector<std::string> parts_that_meet(const Config& config);
 
 }  // namespace pliant

@@ -346,39 +346,43 @@ class Convert(ConvertTest):
         self.assertAlmostEqual(self.history("house.yaml")["base_fz"][-1], 6 * (1 + 0.8 / 3), delta=1e-9)
 
     def test_what_is_left_out_is_listed(self):
-        model = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n*PLASTIC\n1e3, 0.\n"], "*STATIC\n*CONTROLS, RESET\n*CONTACT PAIR, INTERACTION=i\na, b\n*DLOAD\n"
+        model = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n*PLASTIC\n1e3, 0.\n"], "*STATIC\n*CONTROLS, RESET\n*CONTACT DAMPING\n1.\n*DLOAD\n"
                              "cube1, CENTRIF, 1., 0, 0, 0, 0, 0, 1\n*NODE PRINT, NSET=all\nU\n")
         _, said = self.convert("cubes.inp", model)
         text = (self.directory / "cubes.yaml").read_text()
         lines = model.split("\n")
-        self.assertIn("*CONTACT PAIR, INTERACTION=i: contact is not converted; write it in the input, with law: barrier or penalty: "
-                      "`contact: {law: barrier, pairs: [{surface: a, with: b}]}`", said)
-        for card in ("*PLASTIC", "*CONTACT PAIR, INTERACTION=i", "*DLOAD of the type CENTRIF", "*NODE PRINT", "*CONTROLS"):
+        for card in ("*PLASTIC", "*CONTACT DAMPING", "*DLOAD of the type CENTRIF", "*NODE PRINT", "*CONTROLS"):
             line = 1 + next(k for k, content in enumerate(lines) if content.startswith("cube1, CENTRIF" if "CENTRIF" in card else card))
             self.assertIn(f"warning: cubes.inp:{line}: {card}", said)
             self.assertIn(f"#   cubes.inp:{line}: {card}", text)
-        model = febio_cubes([("trans iso Mooney-Rivlin", "<c1>1</c1>")], "").replace("<Loads>", '<Contact><contact type="sliding-elastic"/></Contact><Loads>')
+        model = febio_cubes([("trans iso Mooney-Rivlin", "<c1>1</c1>")], "").replace("<Loads>", '<Contact><contact type="sticky"/></Contact><Loads>')
         _, said = self.convert("cubes.feb", model)
         self.assertIn("the law 'trans iso Mooney-Rivlin' is not supported", said)
-        self.assertIn("<Contact>", said)
+        self.assertIn("<contact type=sticky>: this kind of interface", said)
         self.assertIn("the input is not complete", said)
         self.assertIn("missing key 'elasticity'", self.pliant("check", "cubes.yaml", status=2).stderr)
 
-    def test_contact_that_is_left_out_can_be_written(self):
-        """The section that the message gives, with the names of both programs' surfaces, is one of an input."""
-        rubber = "*ELASTIC\n1e6, 0.3\n"
-        contact = "*SURFACE INTERACTION, NAME=dry\n*FRICTION\n0.25,\n*CONTACT PAIR, INTERACTION=dry\nEND1, end2\nend1\n"
-        pair = '<SurfacePair name="both"><primary>end1</primary><secondary>end2</secondary></SurfacePair></Mesh>'
-        febio = febio_cubes([("neo-Hookean", "<E>1e6</E><v>0.3</v>")] * 2, "").replace("</Mesh>", pair)
-        febio = febio.replace("<Loads>", '<Contact><contact type="sliding-elastic" surface_pair="both"><fric_coeff>0.25</fric_coeff></contact></Contact><Loads>')
-        for name, model, pairs in (("two.inp", abaqus_cubes([rubber] * 2, pulled(2), contact), "[{surface: end1, with: end2, friction: 0.25}, {surface: end1, friction: 0.25}]"),
-                                   ("two.feb", febio, "[{surface: end1, with: end2, friction: 0.25}]")):
-            _, said = self.convert(name, model)
-            section = re.search(r"`(contact: .*)`", said)[1]
-            self.assertEqual(section, f"contact: {{law: barrier, pairs: {pairs}}}")
-            with open(self.directory / "two.yaml", "a", encoding="utf-8") as file:
-                file.write(section + "\n")
-            self.assertIn("end1 with end2", self.pliant("check", "two.yaml").stdout)
+    def test_contact_of_febio(self):
+        """Two cubes on each other: pairs by their surfaces, with friction, and the penalty where it is the stiffness of a spring."""
+        text = febio_cubes([("neo-Hookean", "<E>1e6</E><v>0.3</v>")] * 2, '<bc type="prescribed displacement" node_set="right2"><dof>x</dof><value lc="1">-0.02</value></bc>', steps=2)
+        text = re.sub(r'<node id="(1[789]|2\d)">([\d.]+),([\d.]+),', lambda m: f'<node id="{m[1]}">{float(m[2]) + 1},{float(m[3]) - 3},', text)
+        text = re.sub(r'<bc type="zero displacement" node_set="left2">.*?</bc>\n', "", text)
+        text = text.replace("</Mesh>", '<Surface name="start2"><quad4 id="1">17,20,24,21</quad4></Surface><SurfacePair name="both"><primary>start2</primary><secondary>end1</secondary></SurfacePair></Mesh>')
+        contact = lambda kind, more: text.replace("<Loads>", f'<Contact><contact type="{kind}" surface_pair="both">{more}</contact></Contact><Loads>')  # noqa: E731
+        for kind, more, keys in (("sliding-elastic", "<laugon>0</laugon><penalty>1e8</penalty><fric_coeff>0.25</fric_coeff>", {"friction": 0.25, "stiffness": 1e8}),
+                                 ("sliding-node-on-facet", "<auto_penalty>1</auto_penalty><penalty>10</penalty>", {}), ("sliding-facet-on-facet", "<laugon>1</laugon><penalty>1e8</penalty>", {})):
+            config, said = self.convert("cubes.feb", contact(kind, more))
+            self.assertNotIn("not complete", said)
+            (pair,) = config["contact"]["pairs"]
+            pair.pop("width")
+            self.assertEqual(pair, {"surface": "start2", "with": "end1", **keys})
+        # E 0.02/2 for small strains; the springs take a little.
+        self.assertAlmostEqual(self.history("cubes.yaml")["left1_fx"][-1] / 1e4, 1, delta=0.05)
+        for kind, more, words in (("sliding-elastic", "<tension>1</tension>", "<tension> has no counterpart"), ("sticky", "", "this kind of interface has no counterpart"),
+                                  ("sliding-elastic", '<fric_coeff lc="1">0.3</fric_coeff>', "<fric_coeff> follows a load curve")):
+            _, said = self.convert("cubes.feb", contact(kind, more))
+            self.assertIn(words, said)
+            self.assertIn("not complete", said)
 
     def test_errors(self):
         def fails(text, words, name="cube.inp", status=2):

@@ -81,6 +81,122 @@ class Calculix(ConvertTest):
         self.assertNotIn("expansion", config["bodies"][0])
 
 
+def block(size, count, base, first):
+    """Text of the nodes and elements (C3D10) of a block on z = base, with edges of `size`, in count^3 cubes: the set block1 for numbers from 1; the nodes by position,
+    and (number, nodes) of the elements."""
+    nodes, cells = {}, []
+    for cube in itertools.product(range(count), repeat=3):
+        places = {n: x for x, n in NODES.items()}
+        for cell in CELLS:
+            cells.append([nodes.setdefault(tuple(2 * c + k for c, k in zip(cube, places[n])), first + len(nodes)) for n in cell])
+    step = [edge / (2 * count) for edge in size]
+    text = "*NODE\n" + "".join(f"{n}, {x * step[0]:.9g}, {y * step[1]:.9g}, {base + z * step[2]:.9g}\n" for (x, y, z), n in nodes.items())
+    text += f"*ELEMENT, TYPE=C3D10, ELSET=block{first}\n" + "".join(f"{first + k}, {', '.join(map(str, cell))}\n" for k, cell in enumerate(cells))
+    return text, nodes, [(first + k, cell) for k, cell in enumerate(cells)]
+
+
+FACES = ((0, 1, 2), (0, 1, 3), (1, 2, 3), (0, 2, 3))
+
+
+SECTIONS = "*SOLID SECTION, ELSET=block1, MATERIAL=m\n*SOLID SECTION, ELSET=block5001, MATERIAL=m\n"
+
+
+def two_blocks(contact, steps, size=(1, 1, 1), sections=SECTIONS):
+    """A block on a block, whose meshes do not match; sets bottom, lid, and those at x = 0 and y = 0; surfaces lower and upper."""
+    text, sides, sets = "", {}, {"bottom": [], "lid": [], "left": [], "front": []}
+    for size_here, count, base, first in (((1, 1, 1), 2, 0, 1), (size, 3, 1, 5001)):
+        mesh, nodes, cells = block(size_here, count, base, first)
+        text += mesh
+        for name, axis, side in (("left", 0, 0), ("front", 1, 0), ("bottom", 2, 0) if first == 1 else ("lid", 2, 2 * count)):
+            sets[name] += [n for x, n in nodes.items() if x[axis] == side]
+        touching = {n for x, n in nodes.items() if x[2] == (2 * count if first == 1 else 0)}
+        sides["lower" if first == 1 else "upper"] = [(e, f"S{k}") for e, cell in cells for k, face in enumerate(FACES, 1) if touching >= {cell[c] for c in face}]
+    text += "".join(f"*NSET, NSET={name}\n" + ",\n".join(map(str, members)) + "\n" for name, members in sets.items())
+    text += "".join(f"*SURFACE, NAME={name}\n" + "".join(f"{e}, {face}\n" for e, face in faces) for name, faces in sides.items())
+    return (f"{text}*MATERIAL, NAME=m\n*ELASTIC\n1000., 0.3\n{sections}{contact}{steps}")
+
+
+class Contact(ConvertTest):
+    """Blocks on each other, with springs of the same stiffness. The programs differ next to free edges, and by the width of Pliant's penalty."""
+
+    SPRING = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1e5, 1.\n"
+    PAIR = "*CONTACT PAIR, INTERACTION=i, TYPE=SURFACE TO SURFACE\nupper, lower\n"
+    PRESSED = "*BOUNDARY\nbottom, 3, 3\nleft, 1, 1\nfront, 2, 2\n*STEP\n*STATIC\n0.25, 1.\n*BOUNDARY\nlid, 3, 3, -0.02\n*END STEP\n"
+
+    def deck(self, properties=SPRING, steps=PRESSED, pair=PAIR, **more):
+        return two_blocks(f"*SURFACE INTERACTION, NAME=i\n{properties}{pair}", steps, **more)
+
+    def force(self):
+        history = self.history("two.yaml")
+        return [history[f"bottom_f{axis}"][-1] for axis in "xyz"]
+
+    def test_pressed(self):
+        """The force of CalculiX; of blocks with the same face also the closed form, E 0.02/(2 + E/1e5)."""
+        for size, force in (((1, 1, 1), 9.950506), ((0.6, 0.7, 1), 5.084392)):
+            config, said = self.convert("two.inp", self.deck(size=size))
+            self.assertNotIn("not complete", said)
+            (pair,) = config["contact"]["pairs"]
+            self.assertEqual((pair["surface"], pair["with"], pair["stiffness"]), ("upper", "lower", 1e5))
+            self.assertEqual(config["time"]["method"], "quasistatic")
+            self.assertAlmostEqual(self.force()[2] / force, 1, delta=4e-3)
+
+    def test_friction(self):
+        """The upper block is pressed on the lower one and slides along it."""
+        steps = ("*BOUNDARY\nbottom, 1, 3\n*STEP, NLGEOM\n*STATIC\n0.25, 1.\n*BOUNDARY\nlid, 1, 2\nlid, 3, 3, -0.02\n*END STEP\n"
+                 "*STEP, NLGEOM\n*STATIC\n0.1, 1.\n*BOUNDARY\nlid, 1, 1, 0.05\n*END STEP\n")
+        config, said = self.convert("two.inp", self.deck(self.SPRING + "*FRICTION\n0.3, 1e5\n", steps, size=(0.6, 0.7, 1)))
+        self.assertNotIn("not complete", said)
+        self.assertIn("what sticks creeps by up to stick_velocity, here 0.5 % of a facet in the whole run", said)
+        self.assertEqual(config["contact"]["pairs"][0]["friction"], 0.3)
+        np.testing.assert_allclose(self.force(), [-1.651280, -0.2874905, 5.667157], rtol=4e-3, atol=6e-3)
+
+    def test_hard_contact(self):
+        """Of two blocks that one section has; a node-based surface; contact of all surfaces. Surfaces sink in by a tenth of the compression."""
+        one = "*ELSET, ELSET=both\nblock1, block5001\n*SOLID SECTION, ELSET=both, MATERIAL=m\n"
+        nodes = "*NSET, NSET=touching\n" + ",\n".join(str(n) for x, n in block((1, 1, 1), 3, 1, 5001)[1].items() if x[2] == 0) + "\n*SURFACE, TYPE=NODE, NAME=dependent\ntouching\n"
+        everything = "*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n*CONTACT PROPERTY ASSIGNMENT\n, , i\n"
+        for behavior in ("", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n"):
+            for text in (self.deck(behavior, sections=one), self.deck(behavior, pair=nodes + self.PAIR.replace("upper", "dependent")), self.deck(behavior, pair=everything, sections=one)):
+                config, said = self.convert("two.inp", text)
+                self.assertNotIn("not complete", said)
+                self.assertEqual(len(config["bodies"]), 2)
+                self.assertIn("a penalty of Pliant's stiffness", said)
+            self.assertAlmostEqual(self.force()[2] / 10, 0.98, delta=0.012)
+
+    def test_a_rigid_block(self):
+        """Which a reference node moves."""
+        rigid = "*NODE, NSET=reference\n9999, 0.5, 0.5, 2.\n*RIGID BODY, ELSET=block5001, REF NODE=reference\n"
+        steps = "*BOUNDARY\nbottom, 3, 3\nbottom, 1, 2\nreference, 1, 2\nreference, 4, 6\n*STEP\n*STATIC\n1., 1.\n*BOUNDARY\nreference, 3, 3, -0.02\n*END STEP\n"
+        _, said = self.convert("two.inp", self.deck(self.SPRING, steps, pair=self.PAIR + rigid))
+        self.assertNotIn("not complete", said)
+        # Between the uniaxial modulus and that of a block that cannot widen.
+        self.assertTrue(20 < self.force()[2] < 26, self.force())
+
+    def test_what_differs_is_said(self):
+        for text, words, complete in (
+                (self.deck(pair=self.PAIR.replace("TYPE", "ADJUST=0.01, TYPE")), "moved apart in the mesh, without strain (start: resolve)", True),
+                (self.deck("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=EXPONENTIAL\n0.1, 10.\n"), "PRESSURE-OVERCLOSURE=EXPONENTIAL: the pressure of a `penalty` is linear", False),
+                (self.deck("*FRICTION, TAUMAX=3.\n0.3,\n"), "*FRICTION, TAUMAX=3.: it has no counterpart", False),
+                (self.deck("*FRICTION\n0.3, 0.\n0.2, 1.\n"), "the first of its 2 coefficients holds", False),
+                (self.deck(pair="*CONTACT\n*CONTACT INCLUSIONS\nupper,\n"), "of one surface with all others", False),
+                (self.deck(pair="*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n*CONTACT EXCLUSIONS\nupper, lower\n"), "law: barrier does both", True)):
+            with self.subTest(words):
+                config, said = self.convert("two.inp", text)
+                self.assertIn(words, said)
+                self.assertEqual("not complete" not in said, complete, said)
+                self.assertEqual("contact" in config, "one surface" not in words)
+        self.assertEqual(config["contact"]["exclude"], [["upper", "lower"]])
+        self.assertIn("pairs: all", (self.directory / "two.yaml").read_text())
+        config, said = self.convert("two.inp", self.deck("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n1e5\n"))
+        self.assertIn({"surface": "upper", "tied_to": "lower"}, config["constraints"])
+        self.assertNotIn("contact", config)
+        config, _ = self.convert("two.inp", self.deck(pair=self.PAIR.replace("upper, lower", "upper")))
+        self.assertEqual(config["contact"]["pairs"], [{"surface": "upper", "law": "barrier"}])
+        for text, words in ((self.deck(pair=self.PAIR.replace("=i", "=j")), "the surface interaction 'j' is not defined"), (self.deck(pair=self.PAIR.replace("upper", "up")), "the surface 'up' is not defined"),
+                            (self.deck("*FRICTION\n-0.3\n"), "the coefficient of friction must not be below 0"), (self.deck(self.SPRING.replace("1e5", "0")), "the slope of the pressure must be above 0")):
+            self.fails(text, f"two.inp:\\d+: {words}", "two.inp")
+
+
 class Cards(ConvertTest):
     """What has no counterpart is listed, and what is wrong is refused."""
 

@@ -3,21 +3,21 @@ import os
 
 from .abaqus_assembly import assembled, has_several_instances
 from .abaqus_conditions import AbaqusConditions
+from .abaqus_contact import AbaqusContact
 from .abaqus_deck import read_cards
 from .abaqus_materials import AbaqusMaterials
 from .abaqus_mesh import AbaqusMesh
 from .abaqus_rigid import AbaqusRigid
 from .abaqus_steps import AbaqusSteps
-from .contact import hint
 from .model import Body, Model
 
 OUTPUT = {"NODEPRINT", "ELPRINT", "NODEFILE", "ELFILE", "OUTPUT", "NODEOUTPUT", "ELEMENTOUTPUT", "CONTACTFILE", "CONTACTPRINT", "CONTACTOUTPUT",
           "SECTIONPRINT", "FACEPRINT", "ENERGYPRINT", "ENERGYOUTPUT", "ENERGYFILE", "FILEOUTPUT", "PREPRINT", "RESTART", "MONITOR", "PRINT",
           "ELEMENTPRINT", "TIMEPOINTS"}
-# What changes nothing by itself: properties of contact, of elements that are named as left out, and axes of isotropic laws.
-WITHOUT_EFFECT = {"SURFACEINTERACTION", "SURFACEBEHAVIOR", "FRICTION", "ORIENTATION", "SHELLSECTION", "BEAMSECTION", "MEMBRANESECTION", "SHELLGENERALSECTION",
+# What changes nothing by itself: properties of elements that are named as left out, controls of contact, and axes of isotropic laws.
+WITHOUT_EFFECT = {"ORIENTATION", "SHELLSECTION", "BEAMSECTION", "MEMBRANESECTION", "SHELLGENERALSECTION",
                   "BEAMGENERALSECTION", "PHYSICALCONSTANTS", "DISTRIBUTION", "DISTRIBUTIONTABLE", "CONSTRAINTCONTROLS", "CONTACTINITIALIZATION", "CONDUCTIVITY",
-                  "SPECIFICHEAT", "CONTACTCONTROLS", "CONTACTPROPERTYASSIGNMENT", "CONTACTINCLUSIONS", "SURFACEPROPERTYASSIGNMENT"}
+                  "SPECIFICHEAT", "CONTACTCONTROLS", "SURFACEPROPERTYASSIGNMENT"}
 STRUCTURE = {"PART", "ENDPART", "INSTANCE", "ENDINSTANCE", "ASSEMBLY", "ENDASSEMBLY", "STEP", "ENDSTEP"}
 FIRST = {"NODE": 0, "ELEMENT": 1, "SOLIDSECTION": 3}
 OTHERS = 2  # their place
@@ -42,15 +42,14 @@ def read(file, diagnostics):
     model = Model("Abaqus or CalculiX", title=os.path.splitext(os.path.basename(file))[0])
     mesh, materials = AbaqusMesh(model, diagnostics), AbaqusMaterials(diagnostics)
     steps, rigid = AbaqusSteps(diagnostics), AbaqusRigid(model, mesh, diagnostics)
-    conditions = AbaqusConditions(model, mesh, steps, rigid, diagnostics)
+    conditions, contact = AbaqusConditions(model, mesh, steps, rigid, diagnostics), AbaqusContact(model, mesh, steps, diagnostics)
     sections, output, controls = [], [], []
-    interaction, friction = "", {}
     cards = read_cards(file, diagnostics)
     mesh.has_several = has_several_instances(cards)
     for card in in_order(assembled(cards, diagnostics) if mesh.has_several else cards):
         if card.keyword == "PARAMETER":
             raise diagnostics.wrong(card.line, f"{card.title}: names of numbers are not supported: write the numbers in place of <name>")
-        if mesh.read(card) or materials.read(card) or rigid.read(card) or conditions.read(card) or steps.read(card):
+        if mesh.read(card) or materials.read(card) or rigid.read(card) or conditions.read(card) or contact.read(card) or steps.read(card):
             continue
         if card.keyword == "HEADING":
             model.title = next((" ".join(" ".join(entries).split()) for _, entries in card.data if any(entries)), model.title)
@@ -63,18 +62,8 @@ def read(file, diagnostics):
         elif card.keyword in CONTROLS:
             controls.append(card)
         else:
-            if card.keyword == "SURFACEINTERACTION":
-                interaction = card.upper("NAME")
-            elif card.keyword == "FRICTION" and card.data:
-                friction[interaction] = diagnostics.number(card.data[0][1][0], card.data[0][0], "the coefficient of friction")
             parameters = "".join(f", {name}{'=' + value if value else ''}" for name, value in card.parameters.items())
-            said = f"{card.title}{parameters}"
-            if card.keyword in ("CONTACTPAIR", "CONTACT"):
-                names = [[mesh.spelled("surface", name) for name in entries if name] for _, entries in card.data] if card.keyword == "CONTACTPAIR" else []
-                pairs = [(own[0], own[1] if len(own) > 1 and own[1] != own[0] else "", friction.get(card.upper("INTERACTION"))) for own in names if own]
-                diagnostics.missing(card.line, f"{said}: {hint(pairs)}")
-            else:
-                (diagnostics.omit if card.keyword in WITHOUT_EFFECT else diagnostics.missing)(card.line, said)
+            (diagnostics.omit if card.keyword in WITHOUT_EFFECT else diagnostics.missing)(card.line, card.title + parameters)
     mesh.finish()
     for cards, text in ((output, "requests of output: `output` and `probes` of the input"), (controls, "controls of the solver: `solver` of the input")):
         if cards:
@@ -90,6 +79,7 @@ def read(file, diagnostics):
     without = set(range(len(model.elements))).difference(*(model.element_sets.get(body.elements, ()) for body in model.bodies))
     if model.bodies and without:
         diagnostics.missing(None, f"{len(without)} of {len(model.elements)} elements have no *SOLID SECTION, and are left out with what is on them alone")
+    contact.finish()
     conditions.finish(nonlinear, material_of)
     return model
 

@@ -217,7 +217,7 @@ class AbaqusConditions:
         if steps.kind is None:
             self.diagnostics.note(None, "no step is static or dynamic: the input is static")
         relaxes = any(body.viscosity for body in self.model.bodies)
-        self.is_one_state = steps.kind != "dynamic" and not (nonlinear or relaxes) and steps.num_steps <= 1 and not steps.has_amplitudes
+        self.is_one_state = steps.kind != "dynamic" and not (nonlinear or relaxes or self.model.contact.is_there) and steps.num_steps <= 1 and not steps.has_amplitudes
         if self.is_one_state:
             self.model.time = {"method": "static"}
         else:

@@ -4,7 +4,7 @@ import sys
 
 from pliant.error import PliantError
 
-from . import abaqus, equations, febio, forces, msh
+from . import abaqus, contact, equations, febio, forces, msh
 from ..command_line import Parser, exit_code
 from .input_text import InputText
 from .mesh import Mesh
@@ -51,6 +51,7 @@ def convert(options):
     if not options.units and not model.units:
         diagnostics.note(None, "the file does not name its units: its numbers are kept and mean SI in the input; if they are millimetres, newtons "
                          "and MPa, convert again with --units mm-N-s")
+    contact.separate_bodies(model)
     mesh = mesh_of(model, diagnostics)
     text = input_of(model, mesh, system, os.path.basename(mesh_file), diagnostics)
     msh.write(mesh_file, mesh, factor(system, (0, 1, 0)))
@@ -139,7 +140,7 @@ def input_of(model, mesh, system, mesh_file, diagnostics):
                             "hold at all of these: correct them in the input")
     element = "P1" if mesh.is_linear_only else "P2"
     volumetric = volumetric_of(model, element, diagnostics)
-    return "\n".join(InputText(model, system).lines(mesh_file, element, volumetric, constraints, loads)) + "\n"
+    return "\n".join(InputText(model, system).lines(mesh_file, (element, volumetric), constraints, loads, contact.section(model, mesh, diagnostics))) + "\n"
 
 
 def volumetric_of(model, element, diagnostics):

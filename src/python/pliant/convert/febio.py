@@ -1,7 +1,6 @@
 """Reads a model of FEBio (.feb, versions 2.5, 3 and 4)."""
 import os
 
-from .contact import hint
 from .course import Course, Segment
 from .febio_conditions import FebioConditions
 from .febio_materials import FebioMaterials
@@ -13,7 +12,8 @@ from .xml_tree import read_tree
 OLDEST = 2.5
 # Sections whose absence in the input needs one line and not one for each entry.
 SUMMARISED = {"Output": "requests of output: `output` and `probes` of the input", "Globals": "constants of other kinds of physics", "Code": "",
-              "solver": "settings of the solver: `solver` of the input", "time_stepper": "the choice of steps: a failed step is cut in half here too"}
+              "solver": "settings of the solver: `solver` of the input", "time_stepper": "the choice of steps: a failed step is cut in half here too",
+              "contact": "this kind of interface has no counterpart; `contact.pairs` of the input has surfaces that touch"}
 # Of Control; what concerns output and the solver.
 WITHOUT_EFFECT = ("plot_zero_state", "plot_range", "plot_level", "output_level", "plot_stride", "output_stride", "adaptor_re_solve", "title",
                   "restart", "symmetric_stiffness", "max_refs", "max_ups", "dtol", "etol", "rtol", "lstol", "lsmin", "lsiter", "optimize_bw",
@@ -52,7 +52,7 @@ def read(file, diagnostics):
     is_dynamic = read_time(root, model, diagnostics)
     rigid = add_bodies(root, model, mesh, diagnostics, is_dynamic)
     FebioConditions(root, model, mesh, curves, diagnostics).read(rigid)
-    list_the_rest(root, mesh, diagnostics)
+    list_the_rest(root, diagnostics)
     return model
 
 
@@ -183,27 +183,9 @@ def add_rigid_body(node, names, model, reader):
     return name, numbers
 
 
-def contact_hint(contacts, mesh):
-    """What to write for interfaces of the section `Contact`."""
-    pairs = []
-    for contact in contacts:
-        friction = contact.child("fric_coeff")
-        names = [name for name in mesh.surface_pairs.get(contact.get("surface_pair"), []) if name]
-        if names:
-            pairs.append((names[0], names[1] if len(names) > 1 and names[1] != names[0] else "",
-                          mesh.diagnostics.number(friction.text, friction.line, "fric_coeff") if friction is not None else None))
-    return hint(pairs)
-
-
-def list_the_rest(root, mesh, diagnostics):
+def list_the_rest(root, diagnostics):
     """What nothing was made of."""
-    rest = list(root.unused())
-    contacts = [node for node in rest if node.tag == "contact"]
-    if contacts:
-        diagnostics.missing(contacts[0].line, f"<Contact>: {contact_hint(contacts, mesh)}")
-    for node in rest:
-        if node in contacts:
-            continue
+    for node in root.unused():
         name = node.get("name")
         kind = node.get("type")
         reason = SUMMARISED.get(node.tag, "")

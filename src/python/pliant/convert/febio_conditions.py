@@ -3,11 +3,11 @@ import math
 
 from .conditions import add_prescribed, inward_faces, normal_of
 from .course import Course, Segment
+from .febio_contact import FebioContact
 from .febio_rigid import FebioRigid
 from .model import ACCELERATION, LENGTH, STRESS, VELOCITY, Quantity, Selection
 
 COMPONENTS = {"x": 0, "y": 1, "z": 2, "u": 0, "v": 1, "w": 2}
-TIES = {"tied", "tied-elastic", "tied-node-on-facet", "tied-facet-on-facet"}
 MOST_REPEATS = 50  # of a load curve, as a formula
 ROTATIONS = {"sx", "sy", "sz", "Rx", "Ry", "Rz", "U", "V", "W"}
 
@@ -21,6 +21,7 @@ class FebioConditions:
         self.window = None  # of the present step, None: all of the time
         self.of_step = {}  # displacements of the present step: {name of a set: {component: line}}
         self.forces = {}
+        self.contact = FebioContact(model, mesh, diagnostics)
 
     def read(self, rigid_bodies):
         self.rigid = FebioRigid(self.model, rigid_bodies, self, self.diagnostics)
@@ -171,21 +172,7 @@ class FebioConditions:
             self.diagnostics.omit(node.use().line, "<bc type=normal displacement>")
 
     def read_contact(self, node):
-        """Tied surfaces; other interfaces are listed."""
-        sides = self.mesh.surface_pairs.get(node.get("surface_pair"), [])
-        if node.get("type") not in TIES:
-            return
-        if len(sides) != 2 or any(side not in self.model.surfaces for side in sides):
-            self.diagnostics.missing(node.use().line, f"<{node.tag} type={node.get('type')}>: the surface pair '{node.get('surface_pair')}' has not two surfaces of the mesh")
-            return
-        if self.window is not None:
-            self.diagnostics.missing(node.use().line, f"<{node.tag} type={node.get('type')}> stands in one of several steps: surfaces are tied from the start to the end of a run; left out")
-            return
-        keys, distance = {"tied_to": sides[1]}, node.child("max_distance")
-        if distance is not None and self.diagnostics.number(distance.text, distance.line, "max_distance") > 0:
-            keys["tolerance"] = Quantity(float(distance.text), LENGTH)
-        node.use()
-        self.model.constraints.append((Selection("face", sides[0]), keys))
+        self.contact.read(node, self.window is not None)
 
     def read_constraint(self, node):
         if self.rigid.joints.read(node):

@@ -42,7 +42,7 @@ class FebioMesh:
             self.read_surface(surface.use())
         self.surface_pairs = {}
         for pair in section.each("SurfacePair"):
-            sides = [pair.child(tag) for tag in ("primary", "secondary")]
+            sides = [pair.child(tag) or pair.child(old) for tag, old in (("primary", "slave"), ("secondary", "master"))]  # versions from 3 on, 2.5
             self.surface_pairs[pair.get("name")] = [side.text or side.get("surface") for side in sides if side is not None]
             pair.use()  # what names it is listed, if it is left out
         for unused in ("DiscreteSet", "Edge", "PartList"):

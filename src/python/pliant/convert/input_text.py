@@ -44,9 +44,10 @@ class InputText:
             return []
         return [f"{key}:"] + [f"  - {self.flow(item)}" for item in items]
 
-    def lines(self, mesh_file, element, volumetric, constraints, loads):
-        """`constraints`, `loads`: entries with the groups of the mesh."""
+    def lines(self, mesh_file, elements, constraints, loads, contact):
+        """`elements`: the keys `element` and `volumetric`; `constraints`, `loads`: entries with the groups of the mesh; `contact`: keys, or None."""
         model = self.model
+        element, volumetric = elements
         yield f"title: {self.flow(model.title)}"
         yield f"mesh: {self.flow({'file': mesh_file})}"
         yield f"element: {element}"
@@ -71,9 +72,20 @@ class InputText:
         yield from self.entries("springs", model.springs)
         yield from self.entries("constraints", constraints)
         yield from self.entries("loads", loads)
+        if contact is not None:
+            yield from self.contact_lines(contact)
         if model.initial_velocity is not None:
             yield f"initial: {self.flow({'velocity': model.initial_velocity})}"
         yield f"time: {self.flow(model.time)}"
+
+    def contact_lines(self, contact):
+        yield "contact:"
+        for key, value in contact.items():
+            if key == "pairs" and value != "all":
+                yield "  pairs:"
+                yield from (f"    - {self.flow(pair)}" for pair in value)
+            else:
+                yield f"  {key}: {self.flow(value)}"
 
 
 def plain_number(value):

@@ -89,6 +89,36 @@ class Selection:
 
 
 @dataclasses.dataclass
+class ContactPair:
+    """`sides`: Selections of faces or nodes, one for a surface that touches itself; `said`: the card or entry, for messages."""
+
+    line: int
+    said: str
+    sides: list
+    friction: float = 0.0
+    stiffness: Any = None  # pressure per penetration
+
+
+@dataclasses.dataclass
+class Contact:
+    """`is_all`: the surfaces of all bodies touch one another, with what `general` has."""
+
+    pairs: list = dataclasses.field(default_factory=list)
+    exclude: list = dataclasses.field(default_factory=list)  # pairs
+    is_all: bool = False
+    general: "Pair | None" = None
+    adjusts: bool = False  # surfaces that overlap are moved apart without strain
+
+    @property
+    def is_there(self):
+        return self.is_all or bool(self.pairs)
+
+    @property
+    def has_friction(self):
+        return any(pair.friction for pair in [*self.pairs, *([self.general] if self.is_all else [])])
+
+
+@dataclasses.dataclass
 class Model:
     """Elements have their nodes as rows of `points` in Abaqus's order; sets hold rows of `points` or of `elements`; a surface holds
     the corners of its faces."""
@@ -110,6 +140,7 @@ class Model:
     rigid_bodies: list = dataclasses.field(default_factory=list)  # keys of each; `attached` or `coupled`: a Selection
     joints: list = dataclasses.field(default_factory=list)  # keys of each
     springs: list = dataclasses.field(default_factory=list)  # the same
+    contact: Contact = dataclasses.field(default_factory=Contact)
     initial_velocity: Any = None
     time: dict = dataclasses.field(default_factory=dict)
     end: float = 0.0
