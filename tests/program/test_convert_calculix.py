@@ -5,6 +5,8 @@ The models are written by the test, of quadratic tetrahedra and small displaceme
 six elements. A number is the total force of `*NODE PRINT, NSET=left, TOTALS=ONLY`, `RF`, which has seven digits.
 """
 import itertools
+import math
+import time
 import unittest
 
 import numpy as np
@@ -218,6 +220,55 @@ class Cards(ConvertTest):
             else:
                 config, _ = self.convert("cube.inp", deck(card, "*CLOAD\ntop, 1, 1.\n"))
                 self.assertEqual(sum("equation" in constraint for constraint in config["constraints"]), 9)
+
+    def test_axes_of_an_instance(self):
+        """They move with it, of one instance and of several."""
+        mesh, rest = deck("", "").split("*MATERIAL")
+        mesh += "*TRANSFORM, NSET=right, TYPE=R\n0.8, 0.6, 0., -0.6, 0.8, 0.\n*TRANSFORM, NSET=left, TYPE=C\n0.5, -1., 0., 0.5, -1., 1.\n"
+        section = rest[rest.index("*SOLID"):rest.index("*STEP")]
+        for others in ("", "*INSTANCE, NAME=j, PART=p\n*END INSTANCE\n"):
+            text = (f"*PART, NAME=p\n{mesh}{section}*END PART\n*ASSEMBLY, NAME=a\n{others}*INSTANCE, NAME=i, PART=p\n1., 2., 3.\n1., 2., 3., 1., 2., 4., 90.\n*END INSTANCE\n*END ASSEMBLY\n"
+                    f"*MATERIAL{rest[:rest.index('*SOLID')]}*STEP\n*STATIC\n1., 1.\n*BOUNDARY\ni.right, 1, 1, 0.02\ni.{NODES[0, 2, 0]}, 1, 1, 0.01\n*END STEP\n")
+            config, said = self.convert("cube.inp", text)
+            self.assertNotIn("not complete", said)
+            found = {constraint["displacement_along"]: constraint["direction"] for constraint in config["constraints"] if "displacement_along" in constraint}
+            np.testing.assert_allclose(found[0.02], [-0.6, 0.8, 0], atol=1e-12)
+            # (-0.5, 2, 0), from the axis, before the rotation.
+            np.testing.assert_allclose(found[0.01], np.array([-2, -0.5, 0]) / math.hypot(2, 0.5), atol=1e-12)
+
+    def test_cylindrical_axes_are_said_once(self):
+        """Nodes on the axis are one warning; nodes that the tetrahedra add are named where there are any."""
+        transform = "*TRANSFORM, NSET=all, TYPE=C\n0, 0, 0, 0, 0, 1\n*BOUNDARY\nbottom, 3, 3\n"
+        _, said = self.convert("cube.inp", deck(transform, "*BOUNDARY\nfront, 1, 1, 0.1\nfront, 3, 3, 0.\n"))
+        self.assertEqual(said.count("*TRANSFORM, TYPE=C"), 1)
+        self.assertIn("the conditions of 3 such nodes stand along x, y, z: node", said)
+        _, said = self.convert("cube.inp", deck(transform.replace("0, 0, 0, 0", "-1, 0, 0, -1"), "*BOUNDARY\nright, 1, 1, 0.1\n"))
+        self.assertNotIn("*TRANSFORM", said)
+        self.assertNotIn("later ones hold for the others", said)  # which have other directions
+        _, said = self.convert("bricks.inp", self.plate(4).replace("*BOUNDARY", "*TRANSFORM, NSET=high, TYPE=C\n-1, -1, 0, -1, -1, 1\n*BOUNDARY").replace("*STATIC\n1., 1.\n", "*STATIC\n1., 1.\n*BOUNDARY\nhigh, 1, 1, 0.1\n"))
+        self.assertIn("nodes that element: P2 adds between two of them are free", said)
+
+    @staticmethod
+    def plate(count):
+        """Bricks (C3D8) in count x count; the nodes at its top move as those at its bottom."""
+        at = lambda i, j, k: 1 + i + (count + 1) * (j + (count + 1) * k)  # noqa: E731
+        places = [(i, j, k) for k in (0, 1) for j in range(count + 1) for i in range(count + 1)]
+        text = "*NODE\n" + "".join(f"{at(*x)}, {x[0]}, {x[1]}, {x[2]}\n" for x in places) + "*ELEMENT, TYPE=C3D8, ELSET=plate\n"
+        for number, (i, j) in enumerate(itertools.product(range(count), repeat=2), 1):
+            text += f"{number}, " + ", ".join(str(at(i + a, j + b, k)) for k in (0, 1) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))) + "\n"
+        text += "".join(f"*NSET, NSET={name}, GENERATE\n{at(0, 0, k)}, {at(count, count, k)}, 1\n" for k, name in enumerate(("low", "high")))
+        return (f"{text}*MATERIAL, NAME=m\n*ELASTIC\n1000., 0.3\n*SOLID SECTION, ELSET=plate, MATERIAL=m\n*BOUNDARY\nlow, 1, 3\n*EQUATION\n2\nhigh, 2, 1., low, 2, -1.\n"
+                "*STEP\n*STATIC\n1., 1.\n*END STEP\n")
+
+    def test_many_equations(self):
+        """Each node has a group of its own: more than 10000, in seconds."""
+        start = time.monotonic()
+        self.convert("plate.inp", self.plate(71))
+        self.assertLess(time.monotonic() - start, 30)  # minutes where each name and number was searched for among all others
+        self.assertEqual((self.directory / "plate.yaml").read_text().count("equation:"), 72**2)
+
+    def test_parts_without_instances(self):
+        self.fails("*PART, NAME=a\n*END PART\n*PART, NAME=b\n*END PART\n", "cube.inp:3: there is a second part, and no instance of it: write", "cube.inp")
 
     def test_a_node_between_others(self):
         """A displacement of a node in the middle of an edge alone, which no group of the mesh has."""

@@ -5,6 +5,7 @@ from .abaqus_deck import real
 from .model import LENGTH, Selection
 
 MOST_DIRECTIONS = 500  # of one set, along axes that differ from node to node
+MOST_NAMED = 5  # nodes in a message
 SAME = 1e-9
 
 
@@ -14,7 +15,8 @@ class LocalAxes:
     def __init__(self, model, mesh, diagnostics):
         self.model, self.mesh, self.diagnostics = model, mesh, diagnostics
         self.systems = {}  # row -> (kind, the six numbers)
-        self.card_of_part = None  # the first that stands in a part
+        self.on_axis = set()  # nodes of conditions
+        mesh.followers.append(self.follow)
 
     def read(self, card):
         kind = card.upper("TYPE", "R")[:1]
@@ -26,10 +28,16 @@ class LocalAxes:
         a, b = np.array([real(entries, k, line, self.diagnostics, "a coordinate of the local axes") for k in range(6)]).reshape(2, 3)
         if np.linalg.norm(np.cross(a, b) if kind == "R" else b - a) < SAME * max(np.abs(a).max(), np.abs(b).max(), 1e-300):
             raise self.diagnostics.wrong(line, f"{card.title}: its two points do not define axes")
-        if self.mesh.level == "part" and self.card_of_part is None:
-            self.card_of_part = card
         for row in self.mesh.nodes(card.value("NSET"), card.line):
             self.systems[row] = (kind, a, b)
+
+    def follow(self, first, place):
+        """Moves the axes of a part with its instance, whose nodes are those from a row on."""
+        origin = np.array(place([[0.0, 0.0, 0.0]])[0])
+        for row, (kind, a, b) in self.systems.items():
+            if row >= first:
+                a, b = np.array(place([a, b])) - (origin if kind == "R" else 0)
+                self.systems[row] = kind, a, b
 
     def of(self, row):
         """The local axes as rows of a matrix, or None."""
@@ -44,7 +52,7 @@ class LocalAxes:
         radius = self.model.points[row] - a
         across = radius - (radius @ third) * third
         if np.linalg.norm(across) < SAME * max(np.linalg.norm(radius), np.linalg.norm(b - a)):
-            self.diagnostics.missing(None, f"*TRANSFORM, TYPE=C: node {self.mesh.label_of(row)} is on the axis, and has no radial direction: its conditions stand along x, y, z")
+            self.on_axis.add(row)
             return None
         first = across / np.linalg.norm(across)
         return np.array([first, np.cross(third, first), third])
@@ -55,10 +63,11 @@ class LocalAxes:
         return np.eye(3)[component] if axes is None else clean(axes[component])
 
     # ------------------------------------------------------------------ conditions
-    def list_axes_of_parts(self):
-        if self.card_of_part is not None and self.mesh.has_moved:
-            self.diagnostics.missing(self.card_of_part.line, f"{self.card_of_part.title} in a part whose instance is moved or rotated: its axes are taken as they stand there: "
-                                     "correct the directions in the input")
+    def list_nodes_on_axes(self):
+        if self.on_axis:
+            some = ", ".join(str(self.mesh.label_of(row)) for row in sorted(self.on_axis)[:MOST_NAMED]) + (", ..." if len(self.on_axis) > MOST_NAMED else "")
+            self.diagnostics.missing(None, f"*TRANSFORM, TYPE=C: a node on the axis has no radial direction: the conditions of {len(self.on_axis)} such nodes stand along x, y, z: "
+                                     f"node {some}")
 
     def list_references(self, references):
         for row in sorted(references & self.systems.keys()):
@@ -116,12 +125,19 @@ class LocalAxes:
         for (c, course), rows in plain.items():
             prescribed.set(target, c, rows, course)
 
+    @property
+    def adds_nodes(self):
+        """Whether the tetrahedra of the input have nodes that the model has not: not if all are tetrahedra of one order."""
+        kinds = {self.model.kinds[row] for body in self.model.bodies for row in self.model.element_sets[body.elements]}
+        return kinds not in ({"tetrahedron"}, {"quadratic tetrahedron"})
+
     def write_along(self, target, along, value):
         if len(along) > MOST_DIRECTIONS:
             self.diagnostics.missing(None, f"*TRANSFORM: the displacements of {target} are along more than {MOST_DIRECTIONS} directions: left out")
             return
-        if len({direction for direction, _ in along}) > 3:
-            self.diagnostics.note(None, f"*TRANSFORM: the displacements of {target} are along directions that differ from node to node, and hold at the nodes of the model alone")
+        if len({direction for direction, _ in along}) > 3 and self.adds_nodes:
+            self.diagnostics.note(None, f"*TRANSFORM: the displacements of {target} are along directions that differ from node to node: nodes that element: P2 adds between two "
+                                  "of them are free")
         for (direction, course), some in along.items():
             name = target
             if not isinstance(target, str) or set(some) != set(self.model.node_sets[target]):

@@ -229,8 +229,8 @@ class AbaqusConditions:
         self.axes.list_references(references)
         references = references | self.equations.finish(self.prescribed, self.forces, self.used, references, self.value)
         self.axes.turn_forces(self.forces)
-        self.axes.list_axes_of_parts()
         self.axes.take_displacements(self.prescribed, self.used, self.value)
+        self.axes.list_nodes_on_axes()
         add_prescribed(self.model, self.diagnostics, self.by_set(references), self.value)
         self.add_forces(references)
         self.loads.finish(nonlinear, self.value)
@@ -271,13 +271,17 @@ class AbaqusConditions:
             parts.setdefault(("nodes", tuple(sorted(components.items()))), []).append(row)
         for (stem, key), value in parts.items():
             rows, components = (value, dict(key)) if isinstance(value, list) else (list(key), value)
-            if not isinstance(value, list):
+            if not isinstance(value, list) and not self.are_turned(stem, rows):
                 self.diagnostics.note(None, f"*BOUNDARY: {len(rows)} nodes of {stem} keep its displacement in {', '.join(AXES[c] for c in components)}, and later "
                                       "ones hold for the others, as in the model")
             name = self.model.new_name(stem)
             self.model.node_sets[name] = rows
             sets[name] = components
         return sets
+
+    def are_turned(self, target, rows):
+        """Whether the other nodes of a set have axes of their own, along which their displacements are written."""
+        return all(row in self.axes.systems for row in set(self.prescribed.rows(target)) - set(rows))
 
     def add_forces(self, references):
         pieces, names, done = {}, {}, set()  # pieces: nodes by (name of a set or "", component, course), each node once

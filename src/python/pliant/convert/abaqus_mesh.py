@@ -26,6 +26,7 @@ class AbaqusMesh:
         self.model, self.diagnostics = model, diagnostics
         self.tables = {"": ({}, {})}  # rows of nodes and of elements by number; of several instances by their names in capitals
         self.row_of_reference = {}  # of nodes of the assembly, which has numbers of its own
+        self.label = {}  # number of a node by its row
         self.points = []
         self.left_out = collections.Counter()
         self.first_left_out = None
@@ -33,7 +34,7 @@ class AbaqusMesh:
         self.names = {}  # of sets as they were spelled first, by kind and capitals
         self.level, self.parts, self.instances = "model", 0, 0
         self.has_several = False  # instances, each with the cards of its part (abaqus_assembly.py)
-        self.has_moved = False  # an instance is translated or rotated
+        self.followers = []  # called with the first row and the function that moves points, when an instance is translated or rotated
         self.scope, self.placed = "", None  # of several instances the one that is read: its name in capitals; its card, name and first row
         self.handlers = {"NODE": self.read_nodes, "ELEMENT": self.read_elements, "NSET": self.read_node_set, "ELSET": self.read_element_set,
                          "SURFACE": self.read_surface, "PART": self.enter_part, "INSTANCE": self.enter_instance,
@@ -97,7 +98,7 @@ class AbaqusMesh:
         self.level = "part"
         self.parts += 1
         if self.parts > 1:
-            raise self.diagnostics.wrong(card.line, "there is a second part, and no instance of it")
+            raise self.diagnostics.wrong(card.line, "there is a second part, and no instance of it: write the file with its assembly")
 
     def enter_instance(self, card):
         self.level = "part"
@@ -116,8 +117,10 @@ class AbaqusMesh:
         if any(any(numbers) for numbers in places):
             if len(self.points) == first:
                 raise self.diagnostics.wrong(card.line, "the instance is translated or rotated, and its part has no nodes before this line")
-            self.has_moved = True
-            self.points[first:] = self.place(np.array(self.points[first:]), places, card.data[-1][0])
+            place = lambda x: self.place(np.array(x), places, card.data[-1][0])  # noqa: E731
+            self.points[first:] = place(self.points[first:])
+            for follow in self.followers:
+                follow(first, place)
 
     def place(self, x, places, line):
         """Translates nodes, then rotates them about the axis from one point to another, by an angle in degrees."""
@@ -156,6 +159,7 @@ class AbaqusMesh:
             if label in table:  # as in CalculiX, the later one counts
                 self.points[table[label]] = x
             else:
+                self.label[len(self.points)] = label
                 table[label] = len(self.points)
                 self.points.append(x)
             members.append(table[label])
@@ -238,7 +242,7 @@ class AbaqusMesh:
         return self.nodes_here(text).get(int(label)) if label.isdigit() else None
 
     def label_of(self, row):
-        return next((label for table in (*(nodes for nodes, _ in self.tables.values()), self.row_of_reference) for label, other in table.items() if other == row), row)
+        return self.label.get(row, row)
 
     def elements(self, text, line):
         return self.rows(text, line, self.model.element_sets, "element", self.elements_here(text) if self.has_several else self.row_of_element)

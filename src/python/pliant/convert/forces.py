@@ -1,4 +1,6 @@
 """Forces on nodes as loads of the input: as a traction where they are one, else on points."""
+import itertools
+
 import numpy as np
 
 from .course import Course
@@ -52,7 +54,12 @@ def along(component, quantity):
 
 
 def new_name(mesh, stem):
-    return next(f"{stem}_{k}" for k in range(1, 10000) if all(f"{stem}_{k}" not in groups for groups in mesh.groups.values()))
+    """A name that no group has: stem_1, ..., each once."""
+    for k in itertools.count(mesh.names_given.get(stem, 0) + 1):
+        name = f"{stem}_{k}"
+        if all(name not in groups for groups in mesh.groups.values()):
+            mesh.names_given[stem] = k
+            return name
 
 
 def uniform_traction(mesh, force):

@@ -37,6 +37,7 @@ class Mesh:
         self.mids = self._mid_nodes() if self.quadratic else None
         self._known_faces = None
         self.groups = {3: {}, 2: {}, 1: {}, 0: {}}
+        self.names_given = {}  # the number of the last new name with a stem
         self.near, self.places, self.crowded = None, None, set()  # box_around
         self.loose = {}  # by the name of a set: its nodes in the middle of edges whose ends are not in it, which no group can have
 

@@ -68,11 +68,17 @@ def blocks_of(mesh, dimension, groups):
         members = {tag: np.unique(back[a:b]) for tag, a, b in zip(rows, starts, starts[1:])}
         if mesh.quadratic and dimension in (1, 2):
             nodes = np.column_stack([nodes, mesh.mids_of(nodes, TRIANGLE_EDGES if dimension == 2 else EDGE)])
-    is_in = np.zeros((len(nodes), len(groups)), dtype=bool)
-    for column, cells in enumerate(members.values()):
-        is_in[cells, column] = True
-    tags = list(members)
-    patterns, of = np.unique(is_in, axis=0, return_inverse=True)
-    for k, pattern in enumerate(patterns):
-        if pattern.any():
-            yield dimension, [tag for tag, here in zip(tags, pattern) if here], nodes[of == k]
+    # A number for what groups a row has, of which a million may differ: the sum of random ones, one for each group.
+    codes = np.random.default_rng(0).integers(1, 2**63, size=len(members), dtype=np.uint64)
+    code = np.zeros(len(nodes), dtype=np.uint64)
+    for own, rows_here in zip(codes, members.values()):
+        code[rows_here] += own
+    _, of = np.unique(code, return_inverse=True)
+    tags_of = {}
+    for tag, rows_here in members.items():
+        for pattern in np.unique(of[rows_here]).tolist():
+            tags_of.setdefault(pattern, []).append(tag)
+    order = np.argsort(of, kind="stable")
+    starts = np.searchsorted(of[order], np.arange(of.max() + 2))
+    for pattern, tags in sorted(tags_of.items(), key=lambda item: item[1]):
+        yield dimension, tags, nodes[order[starts[pattern]:starts[pattern + 1]]]
