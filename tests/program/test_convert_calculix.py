@@ -74,7 +74,8 @@ class Calculix(ConvertTest):
         steps = "*TEMPERATURE\nall, 120.\n*END STEP\n*STEP\n*STATIC\n1., 1.\n*TEMPERATURE, OP=NEW\n"
         config, _ = self.convert("cube.inp", deck(before, steps, "*ELASTIC\n1000., 0.3\n*EXPANSION\n1e-3\n"))
         self.assertEqual(config["bodies"][0]["expansion"], {"stretch": "t < 1 ? 1 + 0.1*t : 1.1 - 0.1*(t - 1)"})
-        for card, words in (("*TEMPERATURE\nleft, 120.\n", "*TEMPERATURE: the nodes of cube have different temperatures"), ("*TEMPERATURE, FILE=x\n", "*TEMPERATURE of a file or a subroutine")):
+        for card, words in (("*TEMPERATURE\nleft, 120.\n", "*TEMPERATURE: the nodes of cube have different temperatures, 20 at the start and from 20 to 120 at the end, and its "
+                             "expansion is left out: give the body `expansion: {stretch: \"1 + 0.001*(T - 20)\"}`"), ("*TEMPERATURE, FILE=x\n", "*TEMPERATURE of a file or a subroutine")):
             _, said = self.convert("cube.inp", deck(before, card, "*ELASTIC\n1000., 0.3\n*EXPANSION\n1e-3\n"))
             self.assertIn(words, said)
             self.assertIn("not complete", said)

@@ -56,11 +56,21 @@ class AbaqusTemperature:
                 continue
             pairs = {(self.start.get(row, 0.0), self.table.course.get((row, 0))) for row in nodes}
             if len(pairs) > 1:
-                self.diagnostics.missing(self.first.line, f"{self.first.title}: the nodes of {body.elements} have different temperatures: write its `expansion: {{stretch: ..}}` as a "
-                                         "formula of x, y, z, t")
+                self.list_field(body.elements, material, pairs)
                 continue
             (start, course), = pairs
             body.expansion = value(self.stretch(material, start, course), NONE)
+
+    def list_field(self, name, material, pairs):
+        """Temperatures that differ within a body: its `stretch` may be a formula, and not data of nodes."""
+        first = [start for start, _ in pairs]
+        last = [start if course is None else course.at(self.steps.end) for start, course in pairs]
+        between = lambda values: f"{min(values):g}" if min(values) == max(values) else f"from {min(values):g} to {max(values):g}"  # noqa: E731
+        alpha = f"{material.expansion[0][0]:g}" if len({row[0] for row in material.expansion}) == 1 else "alpha"
+        start = f"{min(first):g}" if min(first) == max(first) else "T0"
+        self.diagnostics.missing(self.first.line, f"{self.first.title}: the nodes of {name} have different temperatures, {between(first)} at the start and {between(last)} at the end, and "
+                                 f"its expansion is left out: give the body `expansion: {{stretch: \"1 + {alpha}*(T - {start})\"}}` with the temperature T as a formula of x, y, z, t, "
+                                 "or cut it into bodies of one temperature each")
 
     def stretch(self, material, start, course):
         table, zero = material.expansion, material.expansion_zero
