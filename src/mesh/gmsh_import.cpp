@@ -83,7 +83,7 @@ SerialMesh read_or_made(const MeshSource& source) {
         ".geo, .step, .stp, .brep or .stl; gmsh and meshio convert many others to .msh");
   }
   require_readable(source.file);
-  if (reader != readers.end()) require_no_local_sizes(source);
+  if (reader != readers.end()) require_no_sizes(source);
   if (extension == ".med") return isolated({Suspect::med}, [&] { return read_med(source.file); });
   if (reader != readers.end()) return reader->second(source.file);
   if (extension == ".brep") require_whole_brep(source.file);

@@ -7,7 +7,7 @@ namespace pliant {
 
 /// Reads `source.file` on this rank alone; meshes it with gmsh if it is geometry, and frees all memory of gmsh.
 ///
-/// * .msh (2.2, 4.1; ascii, binary): as it is; `size` does not apply.
+/// * .msh (2.2, 4.1; ascii, binary): as it is; a `size` is an error.
 /// * .inp, .vtk, .vtu, .med, .bdf, .nas, .unv, .mesh: likewise (mesh/formats).
 /// * .geo: run by gmsh's own interpreter. A `size` overrides every size of the file (points, fields, curvature,
 ///   and with the OpenCASCADE kernel transfinite divisions; those of the built-in kernel and its extrusion layers stay,

@@ -146,7 +146,7 @@ Mesh read_mesh(MPI_Comm comm, const MeshSource& source) {
   Mesh mesh;
   MeshParts parts;
   const bool is_whole = !is_mesh_file(source.file);
-  if (!is_whole) telling_the_user(source, [&] { require_no_local_sizes(source); });
+  if (!is_whole) telling_the_user(source, [&] { require_no_sizes(source); });
   if (is_whole) {
     on_root(comm, [&] { telling_the_user(source, [&] { parts = prepare(source, num_ranks(comm), mesh.report); }); });
   } else {

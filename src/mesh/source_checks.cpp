@@ -56,9 +56,13 @@ void require_sane(const MeshSource& source) {
   if (!reasons.empty()) throw MeshDefect(reasons);
 }
 
-void require_no_local_sizes(const MeshSource& source) {
-  if (source.sizes.empty()) return;
-  throw MeshDefect("it is a mesh already, to which 'mesh.sizes' does not apply: remove it, or name the geometry");
+void require_no_sizes(const MeshSource& source) {
+  std::vector<std::string> reasons;
+  if (source.size)
+    reasons.push_back("it is a mesh already, to which 'size' does not apply: remove it, or name the geometry");
+  if (!source.sizes.empty())
+    reasons.push_back("it is a mesh already, to which 'mesh.sizes' does not apply: remove it, or name the geometry");
+  if (!reasons.empty()) throw MeshDefect(reasons);
 }
 
 void require_enough_cells(std::int64_t num_cells, int num_ranks) {

@@ -25,8 +25,8 @@ void require_plain_name(const std::string& name);
 /// Throws MeshDefect if a size, scale or number of refinements is not valid.
 void require_sane(const MeshSource& source);
 
-/// Throws MeshDefect if the source has local sizes, which a file that is a mesh cannot follow.
-void require_no_local_sizes(const MeshSource& source);
+/// Throws MeshDefect if the source has a size or local sizes, which a file that is a mesh cannot follow.
+void require_no_sizes(const MeshSource& source);
 
 /// Throws MeshDefect if ranks would have no cell.
 void require_enough_cells(std::int64_t num_cells, int num_ranks);

@@ -16,6 +16,7 @@
 #include "model/mesh_cell_data.hpp"
 #include "model/mesh_source.hpp"
 #include "model/method_warnings.hpp"
+#include "model/places.hpp"
 #include "model/rigid_bodies.hpp"
 #include "model/rod_bond.hpp"
 #include "model/selections.hpp"
@@ -233,7 +234,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   for (const ModelCoupling& coupling : couplings_) diagnostics_.push_back(coupling.note);
   include(selections.unused_groups());
   include(warnings_about(config));
-  include(warnings_about_mesh(config, mesh_report_));
+  include(warnings_about_places(config, layout_, body_of_cell_));
   include(warnings_about_loads(config, layout_, selections, constraints_->prescribed()));
   if (!has_incompressible_body(config) && analysis_of(config) == Analysis::dynamic) {  // or a strain is refused later
     include(warnings_about_start(config, layout_, selections));

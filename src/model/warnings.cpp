@@ -71,7 +71,6 @@ constexpr double no_stiffness = 1e-4;        // shear modulus of bodies that are
 constexpr double softest_solid = 150.0;      // shear modulus [Pa]; of brain 1e3, of silicone 1e5
 constexpr double lightest = 20.0, heaviest = 25000.0;  // [kg/m^3]; foam 30, osmium 22600
 constexpr double fastest_shear_wave = 1e4;             // [m/s]; of diamond 12000, of steel 3200
-constexpr double longest_body = 50.0;                  // [m]
 constexpr double locking_ratio = 0.49;                 // Poisson's, of linear elements
 /// Stretches that runs of soft bodies reach; a law may become unstable beyond them without a word.
 constexpr double strongest_compression = 0.3, largest_stretch = 4.0;
@@ -337,14 +336,6 @@ std::vector<Diagnostic> notes_of_idle_keys(const Config& config) {
   note_if(std::ranges::any_of(config.tendons, rubs), "friction of tendons has");
   note_if(has_velocity || !is_zero(config.initial.displacement), "the initial state has");
   return notes;
-}
-
-std::vector<Diagnostic> warnings_about_mesh(const Config& config, const MeshReport& mesh) {
-  const auto& b = mesh.bounds;
-  const double length = std::max({b[3] - b[0], b[4] - b[1], b[5] - b[2]});
-  if (length < longest_body) return {};
-  return {{Severity::warning, config.mesh.file.where,
-           fmt::format("the mesh is {:.3g} m long; 'scale: 0.001' converts millimetres to metres", length)}};
 }
 
 std::vector<Diagnostic> warnings_about_loads(const Config& config, const NodeLayout& layout, Selections& selections,

@@ -3,7 +3,6 @@
 
 #include "energy/constraint/prescribed.hpp"
 #include "input/config.hpp"
-#include "mesh/report.hpp"
 #include "model/selections.hpp"
 
 #include <optional>
@@ -31,9 +30,6 @@ bool may_fall(const Config& config);
 
 /// Notes about what the input contains and its kind of analysis does not use.
 std::vector<Diagnostic> notes_of_idle_keys(const Config& config);
-
-/// Warns of a mesh that is probably not in metres.
-std::vector<Diagnostic> warnings_about_mesh(const Config& config, const MeshReport& mesh);
 
 /// Warns of constraints that displace the initial state abruptly. Collective over the ranks of `layout`, like the next.
 std::vector<Diagnostic> warnings_about_start(const Config& config, const NodeLayout& layout, Selections& selections);

@@ -152,6 +152,15 @@ DOUBTFUL = {
     "motion that starts with a jump": ("constraints", "constraints: [{surface: left, displacement: [0, 0, 0]}, "
                                        "@{where: \"x > 0.9\", displacement: [\"0.1*cos(t)\", 0, 0]}]", "displaces nodes abruptly by 0.1 m"),
     "a mesh in millimetres": ("mesh", "mesh: {file: @cube.msh, scale: 100}", "the mesh is 100 m long.*'scale: 0.001'"),
+    "an obstacle in millimetres": ("output", "contact: {stiffness: 1, obstacles: [@{name: floor, shape: plane, point: [0, 0, -200], normal: [0, 0, 1]}]}",
+                                   r"'floor' at .* is 200 m away from the bodies.* write \[0, 0, -200 mm\]"),
+    "a spring to a place in millimetres": ("output", "springs: [{name: s, stiffness: 1, points: [[1, 1, 1], @{body: ground, point: [500, 0, 500]}]}]",
+                                           r"the point of spring 's' at .* is 706 m away from the bodies.* write \[500 mm, 0, 500 mm\]"),
+    "a joint in millimetres": ("output", "rigid_bodies: [{name: hub, mass: 1, inertia: [1, 1, 1], center: [1, 1, 2]}]\n"
+                               "joints: [@{name: pin, type: hinge, between: [hub, ground], point: [500, 0, 500], axis: [1, 0, 0]}]",
+                               r"joint 'pin' at .* is 706 m away from the bodies, which are 1.73 m in size"),
+    "a mass in millimetres": ("output", "rigid_bodies: [@{name: hub, mass: 1, inertia: [1, 1, 1], center: [500, 0, 500]}]",
+                              "the center of mass of 'hub' at .* is 706 m away from the bodies"),
     "rubber that is stretched too far": ("time", "time: {step: 1 us, end: 3 us}\ninitial: {displacement: [\"4.5*x\", 0, 0]}",
                                          "'body' is stretched to 5.5 times its length near X = .*beyond the range of 'neo-hookean'"),
     "constants that soften": ("bodies", "bodies: [{density: 1000, elasticity: @{model: yeoh, c10: 1 MPa, c20: -0.2 MPa, poissons_ratio: 0.4}}]",
@@ -166,6 +175,7 @@ NOT_DOUBTFUL = {
     "a load on what is held in part": ("loads", "loads: [{surface: top, traction: [0, 0, 1]}, {gravity: [0, 0, -9.81]}]"),
     "a load across what is held": ("constraints", "constraints: [{surface: left, displacement: [0, 0, free]}]\n"
                                    "probes: [{name: a, point: [0, 0, 0]}]"),
+    "a wall at a distance": ("output", "contact: {stiffness: 1, obstacles: [{name: wall, shape: plane, point: [-60, 0, -60], normal: [1, 0, 0]}]}"),
     "a floor that is touched": ("output", "contact: {stiffness: 1, obstacles: [{name: floor, shape: plane, normal: [0, 0, 1]}]}"),
     "a ball beside the body": ("output", "contact: {stiffness: 1, obstacles: [{name: a, shape: sphere, point: [0.5, 0.5, -0.3], radius: 0.2}]}"),
     "motion from where the body is": ("constraints", "constraints: [{surface: left, displacement: [0, \"0.1*sin(t)\", 0]}]"),
@@ -301,6 +311,18 @@ class Errors(MistakesTest):
         cases = {name: (directory, [*arguments, "--quiet"], 0, None, words)
                  for name, (directory, arguments, _, _, words) in self.cases_of(meant).items()}
         self.judge_all(cases, {1: 1})
+
+    def test_places_of_rigid_bodies_in_millimetres(self):
+        directory = self.case("rigid bodies")
+        rest = "}]\nloads: [{gravity: [0, 0, -9.81]}]\ntime: {step: 0.01, end: 0.02}\n"
+        inertia = "mass: 1, inertia: [1, 1, 1]"
+        (directory / "shape.yaml").write_text(f"rigid_bodies: [{{name: hub, {inertia}, center: [5, 0, 5], surface: {{file: cube.msh}}" + rest)
+        (directory / "points.yaml").write_text(f"rigid_bodies: [{{name: a, {inertia}, center: [5, 0, 0]}}, {{name: b, {inertia}, center: [90, 0, 0]" + rest)
+        self.judge_all({
+            "centre": (directory, ["run", "shape.yaml", "--quiet"], 0, "shape.yaml:1:16:",
+                       r"^warning: .*'hub' at .* is 5.66 m outside its surface, which is 1.73 m in size; places are in metres: .* write \[5 mm, 0, 5 mm\]"),
+            "no mesh": (directory, ["run", "points.yaml", "--quiet"], 0, "points.yaml", "^warning: .*extend over .* m; places are in metres: write '5 mm'"),
+        }, {1: 1, 2: 1})
 
     def test_mistakes_in_the_input(self):
         self.judge_all(self.cases_of(BAD_LINES), READ_ALIKE)

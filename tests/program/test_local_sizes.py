@@ -37,6 +37,8 @@ REFUSED = {
     "a mesh": ("cube.msh", "[{surface: left, size: 10 mm, distance: 5 mm}]", "a mesh already, to which 'mesh.sizes' does not apply"),
     "another mesh": ("cube.vtu", "[{surface: left, size: 10 mm, distance: 5 mm}]", "a mesh already, to which 'mesh.sizes' does not apply"),
     "own mesh": ("cube.h5", "[{surface: left, size: 10 mm, distance: 5 mm}]", "a mesh already, to which 'mesh.sizes' does not apply"),
+    "size of a mesh": ("cube.msh", "", "a mesh already, to which 'size' does not apply"),
+    "size of own mesh": ("cube.h5", "", "a mesh already, to which 'size' does not apply"),
     "two groups": ("cube.geo", "[{surface: left, curve: edge, size: 10 mm, distance: 5 mm}]", "only one of surface, curve can be given"),
     "no distance": ("cube.geo", "[{surface: left, size: 10 mm}]", "distance"),
 }
