@@ -124,9 +124,6 @@ class StageEquation {
   virtual double inertia_scale() { return 0.0; }
   /// Size of the rounding errors in r at q [N].
   virtual double rounding_floor(Vec q) const = 0;
-  /// Size of the forces that rounding errors of the places of all nodes cause [N]: where forces are not larger, bodies
-  /// are at rest.
-  virtual double forces_of_rounded_places() const { return 0.0; }
 
   /// The magnitude of the diagonal of K, in D: the scale of each unknown.
   virtual void size_of_diagonal(Mat K, Vec D) const { check(MatGetDiagonal(K, D)); }

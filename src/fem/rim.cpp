@@ -19,7 +19,7 @@ namespace {
 constexpr double edge_flatness = 1e-9;
 /// A facet lies along a plane if the angle between their normals has more than this cosine.
 constexpr double along_plane = 0.7;
-/// Places in one plane differ by less than this part of the size of a loop: meshes have rounding errors.
+/// Places in one plane differ by less than this part of their size and that of their loop: meshes have rounding errors.
 constexpr double loop_flatness = 1e-9;
 /// Vector areas of loops below this part of the square of their length are rounding errors.
 constexpr double no_area = 1e-6;
@@ -181,8 +181,8 @@ std::array<bool, 3> planes_at(const Loop& loop, const Vector3<double>& x) {
   return result;
 }
 
-/// The chains of the edges that are held outside of the planes in which others slide.
-std::vector<Chain> chains_of(const Loop& loop) {
+/// The chains of the edges that are held outside of the planes in which others slide; nothing if they meet themselves.
+std::optional<std::vector<Chain>> chains_of(const Loop& loop) {
   std::map<PetscInt, EdgeRecord> by_start;
   std::set<PetscInt> ends;
   for (const EdgeRecord& edge : loop.held) {
@@ -190,18 +190,20 @@ std::vector<Chain> chains_of(const Loop& loop) {
     bool slides_too = false;
     for (std::size_t k = 0; k < 3; ++k) slides_too = slides_too || (at_start[k] && at_end[k]);
     if (slides_too) continue;
-    by_start[edge.start] = edge;
+    if (!by_start.try_emplace(edge.start, edge).second) return std::nullopt;
     ends.insert(edge.end);
   }
   std::vector<Chain> chains;
+  std::size_t num_chained = 0;
   for (const auto& [start, first] : by_start) {
     if (ends.contains(start)) continue;
     Chain& chain = chains.emplace_back();
     for (auto at = by_start.find(start); at != by_start.end(); at = by_start.find(chain.back().end)) {
       chain.push_back(at->second);
-      if (chain.size() > by_start.size()) break;  // a loop that meets itself
     }
+    num_chained += chain.size();
   }
+  if (num_chained != by_start.size()) return std::nullopt;  // a ring has no start
   return chains;
 }
 
@@ -244,7 +246,9 @@ std::variant<double, UnknownLid> moments_of_lids(const Loop& loop) {
   for (std::size_t k = 0; k < 3; ++k) apex[k] = loop.plane[k].value_or(loop.sum_of_starts[k] / loop.num_edges);
   double total = 0.0;
   if (loop.slides()) {
-    for (const Chain& chain : chains_of(loop)) {
+    const auto chains = chains_of(loop);
+    if (!chains) return UnknownLid{};
+    for (const Chain& chain : *chains) {
       const auto way = way_back(loop, chain);
       if (!way) return UnknownLid{};
       Vector3<double> moment{};

@@ -1,6 +1,7 @@
 #include "input/loads.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 namespace {
@@ -34,7 +35,10 @@ std::optional<FoundationCoefficients> foundation_of(const LoadConfig& load) {
 }
 
 std::optional<Location> load_at_once(const Config& config) {
-  const auto acts = [](const Expression& value) { return value(0.0, 0.0, 0.0, 0.0) != 0.0; };
+  const auto acts = [](const Expression& value) {
+    const double now = value(0.0, 0.0, 0.0, 0.0);
+    return std::isfinite(now) && now != 0.0;
+  };
   for (const LoadConfig& load : config.loads) {
     const VectorExpression* vector = vector_of(load);
     const auto* pressure = std::get_if<LoadConfig::Pressure>(&load.kind);

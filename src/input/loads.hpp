@@ -19,7 +19,7 @@ struct FoundationCoefficients {
 /// Nothing if the load is not a foundation.
 std::optional<FoundationCoefficients> foundation_of(const LoadConfig& load);
 
-/// The first load or cavity whose pressure or density is not zero at time 0; nothing if there is none.
+/// The first load or cavity whose pressure or density is not zero at time 0, at the origin; nothing if there is none.
 std::optional<Location> load_at_once(const Config& config);
 
 }  // namespace pliant

@@ -8,7 +8,7 @@ namespace pliant {
 /// Where the mesh is before its distribution.
 struct MeshParts {
   enum class Held {
-    on_root,   ///< rank 0 holds all of it, METIS has partitioned it
+    on_root,   ///< rank 0 holds all of it; METIS partitions it before the distribution
     in_blocks  ///< each rank holds one block of the cells and one of the nodes, in rank order; it is partitioned in
                ///< parallel
   };

@@ -159,7 +159,10 @@ Mesh read_mesh(MPI_Comm comm, const MeshSource& source) {
     });
     parts = read_mesh_file(comm, source);
     if (parts.held == MeshParts::Held::on_root && num_ranks(comm) > 1) {
-      on_root(comm, [&] { parts.part = DualGraph(parts.mesh).partition(num_ranks(comm), mesh.report.edge_cut); });
+      on_root(comm, [&] {
+        telling_the_user(source,
+                         [&] { parts.part = DualGraph(parts.mesh).partition(num_ranks(comm), mesh.report.edge_cut); });
+      });
     }
   }
   mesh.groups = shared_groups(comm, parts.mesh);
@@ -167,7 +170,7 @@ Mesh read_mesh(MPI_Comm comm, const MeshSource& source) {
   if (!source.curves.empty()) mesh.curves = shared_curves(comm, parts.curves, mesh.groups);
   distribute(comm, std::move(parts), source.refine, mesh);
   measure(comm, source, mesh);
-  // A serial mesh was checked as a whole; a mesh read in blocks reports only this sum over the ranks.
+  // A serial mesh was checked as a whole; one in the own format reports only this sum over the ranks.
   telling_the_user(source, [&] {
     if (is_whole || mesh.report.min_quality > 0.0) return;
     throw MeshDefect("it has inverted or flat tetrahedra, which `pliant mesh convert` never writes: write it again");

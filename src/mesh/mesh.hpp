@@ -135,9 +135,9 @@ struct Mesh {
 };
 
 /// Reads or generates the mesh on rank 0, repairs and checks it, partitions it with METIS, distributes and refines it.
-/// Pliant's own format (.h5, see mesh_file.hpp) is read in parallel and partitioned on all ranks by PTScotch; no rank
-/// ever holds the whole mesh. Throws InputError (file, what is wrong, what to do) or FileError, the same on every rank.
-/// Collective.
+/// Large meshes in Pliant's own format (.h5, see mesh_file.hpp) are read in parallel and partitioned on all ranks by
+/// PTScotch, so that no rank holds the whole mesh. Throws InputError (file, what is wrong, what to do) or FileError,
+/// the same on every rank. Collective.
 Mesh read_mesh(MPI_Comm comm, const MeshSource& source);
 
 /// Writes the mesh that read_mesh would read (without `refine`) to `file` in Pliant's own format. Returns what it

@@ -1,5 +1,5 @@
-/// Pliant's own mesh format: an HDF5 file from which every rank reads its part, so that no rank ever holds the whole
-/// mesh.
+/// Pliant's own mesh format: an HDF5 file from which every rank can read its part, so that no rank holds the whole of a
+/// large mesh.
 ///
 ///   /                 attributes: format "pliant-mesh", version 1
 ///   /nodes            (nodes, 3): positions; every node is a corner of a tetrahedron

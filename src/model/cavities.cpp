@@ -88,11 +88,13 @@ double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const Fac
   if (cavity.volume) return *cavity.volume;
   if (const auto* unknown = std::get_if<UnknownLid>(&behind_or_not)) {
     const std::string why =
-        unknown->direction
-            ? fmt::format("is open between two parallel planes ({0} = {1:.6g} m and {0} = {2:.6g} m)",
-                          "xyz"[*unknown->direction], std::ranges::min(unknown->places),
-                          std::ranges::max(unknown->places))
-            : std::string("ends at an edge that slides in part, and what is held of it lies in no plane");
+        unknown->direction ? fmt::format("is open between two parallel planes ({0} = {1:.6g} m and {0} = {2:.6g} m)",
+                                         "xyz"[*unknown->direction], std::ranges::min(unknown->places),
+                                         std::ranges::max(unknown->places))
+                           : std::string(
+                                 "ends at an edge that slides in part, and what is held of it lies in no plane "
+                                 "(between two planes in which it "
+                                 "slides: in none of constant x, y or z)");
     throw InputError(cavity.where, fmt::format("the cavity '{}' {}, so that its volume does not follow from its walls; "
                                                "give its `volume`",
                                                cavity.name, why));

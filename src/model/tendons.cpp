@@ -70,7 +70,10 @@ class Points {
     const auto found = std::ranges::find_if(mesh_.curves, is_it);
     if (found == mesh_.curves.end()) {
       const auto edges = edges_of_cells(bodies_.layout, selections_.edges(part));
-      return edges.empty() ? Chain{} : chain_of(edges, "a tendon");  // none has been reported
+      if (edges.empty()) return {};  // has been reported
+      Chain chain = chain_of(edges, "a tendon");
+      chain.is_directed = false;  // whatever directions they happen to have
+      return chain;
     }
     selections_.use(part);
     Chain chain = chain_of(found->edges, "a tendon");

@@ -153,9 +153,9 @@ class Simulation {
   /// What the growth of displacements says about loads beyond the last state; may be empty.
   std::string limit_in_sight() const;
   void accept(const StepAttempt& attempt, const Step& step);
-  /// Measures `contact` of the state in `q_`.
   /// Makes q and v the record's. Collective.
   void take_state(Vec q, Vec v);
+  /// Measures `contact` of the state in `q_`.
   void measure_contact();
   /// Whether the next step would amplify an impact in this step, which was accepted.
   bool extrapolates_impact(const Step& step, bool touches);

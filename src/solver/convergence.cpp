@@ -56,8 +56,6 @@ Convergence::Verdict Convergence::judge(int iteration, double residual, Vec q, b
   }
   has_settled_ = iteration > 0 && residual > settled * last_residual_;
   last_residual_ = residual;
-  // Bodies at rest, of which even the forces are rounding errors: as of rods, which start with frames that are turned.
-  if (has_settled_ && scale_ <= no_forces * objective_.equation().forces_of_rounded_places()) return Verdict::converged;
   const bool may_be_rounding = iteration > 0 || starts_at_solution_;
   if (!line_search_is_at_rounding && !(may_be_rounding && is_rounding(residual, q))) return Verdict::iterating;
   count_rounding(residual, q);

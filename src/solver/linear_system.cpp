@@ -161,8 +161,10 @@ void LinearSystem::factorize(Vec q, Indefinite indefinite) {
   if (uses_near_null_space(preconditioner_.get())) equation_.follow_rigid_motions(q, K_.get());
   factor_.note_set_up(set_up_preconditioner(preconditioner_.get(),
                                             bordered_ ? bordered_->inner_matrix(K_.get()) : K_.get(), indefinite));
-  // The next set-up has others; these are six vectors.
-  if (uses_near_null_space(preconditioner_.get())) check(MatSetNearNullSpace(K_.get(), nullptr));
+  // The next set-up has others; these are six vectors. Factors that multigrid may have to replace later need them.
+  if (uses_near_null_space(preconditioner_.get()) && !may_become_factorization(preconditioner_.get())) {
+    check(MatSetNearNullSpace(K_.get(), nullptr));
+  }
   statistics_.uses_multigrid_instead = uses_multigrid_instead(preconditioner_.get());
   const auto clear_border = [&](Vec x) {
     if (bordered_) bordered_->clear_border(x);

@@ -19,9 +19,8 @@ class Forces final : public test::SmallEquation {
                       {1, [](auto) { return std::vector{0.0}; }, [](auto) { return std::vector{1.0}; }}) {}
   double force_scale(Vec) override { return forces; }
   double rounding_floor(Vec) const override { return floor; }
-  double forces_of_rounded_places() const override { return of_places; }
 
-  double forces = 100.0, floor = 0.0, of_places = 0.0;
+  double forces = 100.0, floor = 0.0;
 };
 
 class ConvergenceTest : public ::testing::Test {
@@ -66,17 +65,6 @@ TEST_F(ConvergenceTest, TakesTheForcesAtTheIterateWhereTheyAreMuchLess) {
   // Another run judges by what it meets itself.
   judge(0, 1.0);
   EXPECT_FALSE(convergence_.has_met_first_target());
-}
-
-TEST_F(ConvergenceTest, WhatRestsButForRoundedPlacesHasConverged) {
-  equation_.of_places = 1.0;
-  EXPECT_EQ(judge(0, 50.0), Verdict::iterating);
-  EXPECT_EQ(judge(1, 49.0), Verdict::iterating);
-  equation_.of_places = 20.0;
-  EXPECT_EQ(judge(0, 50.0), Verdict::iterating);
-  EXPECT_EQ(judge(1, 20.0), Verdict::iterating);  // it falls
-  EXPECT_EQ(judge(2, 19.0), Verdict::converged);
-  EXPECT_EQ(statistics_.rounding_stops, 0);
 }
 
 TEST_F(ConvergenceTest, StopsAtRoundingErrorsAndCountsThem) {

@@ -57,7 +57,6 @@ class ConstrainedEquation final : public StageEquation {
   double force_scale(Vec y) override;
   double inertia_scale() override { return equation_.inertia_scale(); }
   double rounding_floor(Vec y) const override;
-  double forces_of_rounded_places() const override { return equation_.forces_of_rounded_places(); }
   void size_of_diagonal(Mat K, Vec D) const override { equation_.size_of_diagonal(K, D); }
   PetscInt num_negative_pivots() const override { return equation_.num_negative_pivots(); }
   std::vector<std::string> non_potentials() const override;

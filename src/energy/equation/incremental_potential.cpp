@@ -370,15 +370,6 @@ double IncrementalPotential::rounding_floor(Vec q) const {
   return std::numeric_limits<double>::epsilon() * std::sqrt(sum(layout_.comm, squares)) + sum_rounding_;
 }
 
-double IncrementalPotential::forces_of_rounded_places() const {
-  double squares = 0.0;
-  const ConstArrayView k(diagonal_.get());
-  for (PetscInt i = 0; i < 3 * layout_.num_owned_nodes; ++i) {
-    if (!prescribed_[i]) squares += std::pow(k[i] * layout_.coordinates[static_cast<std::size_t>(i)], 2);
-  }
-  return std::numeric_limits<double>::epsilon() * std::sqrt(sum(layout_.comm, squares));
-}
-
 double IncrementalPotential::rounding_energy(Vec q) const {
   double sum_of_squares = 0.0;
   const ConstArrayView u(q), k(diagonal_.get());

@@ -75,7 +75,6 @@ class IncrementalPotential final : public StageEquation {
   /// Size of the rounding errors in the gradient at q [N]: |eps K_ii u_i| with the diagonal of the last Hessian, and
   /// eps c |g| sum |g_i u_i| with its rank-one terms.
   double rounding_floor(Vec q) const override;
-  double forces_of_rounded_places() const override;
   /// Size of the energy of displacements that are rounding errors of places and of q [J]: 1/2 sum K_ii (eps (|X_i| +
   /// |u_i|))^2 with the same diagonal, which has the masses of a stage, too. Collective.
   double rounding_energy(Vec q) const;

@@ -67,7 +67,6 @@ class MixedEquation final : public StageEquation {
   double force_scale(Vec x) override;
   double inertia_scale() override { return potential_.inertia_scale(); }
   double rounding_floor(Vec x) const override;
-  double forces_of_rounded_places() const override { return potential_.forces_of_rounded_places(); }
   void size_of_diagonal(Mat A, Vec D) const override;
   std::vector<std::string> non_potentials() const override;
   Symmetry symmetry() const override;
