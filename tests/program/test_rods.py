@@ -261,7 +261,7 @@ time: {method: dirk33, step: 1 ms, end: 2 ms}
     def test_an_oblique_rod_next_to_an_incompressible_body(self):
         """Its frames start with rounding errors, the body undeformed."""
         write_box(self.directory / "pad.msh", (1, 1, 1), (0.1, 0.1, 0.1))
-        done = self.pliant("run", self.write("pad.yaml", """
+        self.pliant("run", self.write("pad.yaml", """
 mesh: {file: pad.msh}
 element: P2
 volumetric: mixed
@@ -271,7 +271,6 @@ rods: [{name: wire, points: [[0.3, 0, 0], [0.4, 0.1, 0.1]], segments: 2, radius:
 loads: [{gravity: [0, 0, -0.1]}]
 time: {method: bdf2, step: 2 ms, end: 2 ms}
 """))
-        self.assertNotIn("the steps are too long", done.stdout + done.stderr)
         self.assertEqual(read_history(self.directory / "out/pad")["time"][-1], 2e-3)
 
     def test_turns_of_a_prescribed_rotation_are_kept(self):
