@@ -18,8 +18,9 @@ struct TwoBodies {
   static constexpr double gap = 0.3;
   using Terms = std::vector<std::unique_ptr<EnergyTerm>>;
 
-  TwoBodies(MPI_Comm comm, const std::string& file, const std::function<Terms(const Solid&)>& make, int order = 1)
-      : solid(comm, file, order, 1), terms(make(solid)) {
+  TwoBodies(MPI_Comm comm, const std::string& file, const std::function<Terms(const Solid&)>& make, int order = 1,
+            Field displacement = rough_field(0.05, 7))
+      : solid(comm, file, order, 1), terms(make(solid)), displacement_(std::move(displacement)) {
     std::vector<const EnergyTerm*> all;
     for (const auto& term : terms) all.push_back(term.get());
     potential.emplace(solid.layout(), solid.pattern(), all, solid.nothing_prescribed());
@@ -29,19 +30,16 @@ struct TwoBodies {
     potential->freeze(q.get());
   }
   /// Where the bodies are.
-  Handle<Vec> place() const {
-    return solid.vector([](const Point& x) {
-      Point u;
-      for (int i = 0; i < 3; ++i) u[static_cast<std::size_t>(i)] = 0.05 * rough(x, i, 7);
-      return u;
-    });
-  }
+  Handle<Vec> place() const { return solid.vector(displacement_); }
   Handle<Vec> direction() const { return solid.vector(rough_field(1.0, 5)); }
 
   Solid solid;
   Terms terms;
   std::optional<IncrementalPotential> potential;
   std::optional<TestStage> stage;
+
+ private:
+  Field displacement_;
 };
 
 /// The file of the mesh of TwoBodies.
@@ -109,8 +107,10 @@ inline std::vector<double> numbers_of(TwoBodies& bodies) {
 }
 
 inline void expect_numbers_of_one_rank(const std::string& file,
-                                       const std::function<TwoBodies::Terms(const Solid&)>& make, int order = 1) {
-  TwoBodies many(MPI_COMM_WORLD, file, make, order), alone(MPI_COMM_SELF, file, make, order);
+                                       const std::function<TwoBodies::Terms(const Solid&)>& make, int order = 1,
+                                       const Field& displacement = rough_field(0.05, 7)) {
+  TwoBodies many(MPI_COMM_WORLD, file, make, order, displacement),
+      alone(MPI_COMM_SELF, file, make, order, displacement);
   const auto here = numbers_of(many), there = numbers_of(alone);
   for (std::size_t i = 0; i < here.size(); ++i) {
     EXPECT_NEAR(here[i], there[i], 1e-11 * std::abs(there[i]) + 1e-14) << i;
