@@ -445,6 +445,12 @@ class SurfaceOfBlock(WithResult):
                 np.testing.assert_allclose(surface.of_cells(np.full((len(mesh.cells), 1), 7.0)), 7.0)
                 at_cut = np.abs(cut.heights(x[surface.triangles])).max(axis=1) < 1e-12
                 self.assertTrue(np.isin(mesh.body[surface.cell_of_face[surface.face_of_triangle[at_cut]]], [0, 1]).all())
+                # The same of curved elements: the vector of the area of a closed surface is 0.
+                for divisions in (None, 2, 3):
+                    surface = CutSurface(Surface(mesh, divisions), mesh, cells, cut)
+                    x = surface.of_nodes(mesh.coordinates + np.random.default_rng(1).uniform(-0.02, 0.02, mesh.coordinates.shape))
+                    a, b, c = (x[surface.triangles[:, i]] for i in range(3))
+                    np.testing.assert_allclose(np.cross(b - a, c - a).sum(axis=0), 0, atol=1e-12, err_msg=f"{order} {text} {divisions}")
         self.assertEqual((mirror("y=0.5").offset, mirror("y").offset), (0.5, 0.0))
         # With straight sides, quadratic elements have the outlines of linear ones in a section: pieces of them, as the nodes on edges divide them.
         lengths = []

@@ -43,7 +43,7 @@ class Surface:
         self.cell_of_face = of_mesh[cell]
         if divisions is None:
             divisions = 1 if not quadratic else 4 if len(faces) < 40_000 else 2
-        self._n = divisions
+        self.divisions = divisions  #: of each side of a face
         self._divide(faces if quadratic else faces[:, :3])
         if len(masses) > 0:
             self._add_ellipsoids(masses)
@@ -68,7 +68,7 @@ class Surface:
         return cells[cell[:, None], _FACES[face][:, :width]], cell
 
     def _divide(self, faces: np.ndarray) -> None:
-        n = self._n
+        n = self.divisions
         lattice = np.array([(n - i - j, i, j) for j in range(n + 1) for i in range(n + 1 - j)])
         at = {tuple(b): k for k, b in enumerate(lattice)}
         triangles = []

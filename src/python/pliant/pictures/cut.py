@@ -1,9 +1,11 @@
 """Bodies cut open by a plane, and mirrored at planes.
 
 A cut is one of the undeformed shape, so that all frames show the same section: the outside is cut, triangle by triangle, and the
-section is drawn, tetrahedron by tetrahedron. Shells have their triangles cut only, and rods are left whole.
+section is drawn, tetrahedron by tetrahedron. Both divide curved elements in the same way, so that no gap is between them. Shells have their
+triangles cut only, and rods are left whole.
 """
 import dataclasses
+import itertools
 import re
 
 import numpy as np
@@ -12,8 +14,7 @@ LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
 AXES = {"x": (1.0, 0, 0), "y": (0, 1.0, 0), "z": (0, 0, 1.0)}
 # Sides that a plane crosses, in their order around the polygon, by the number of corners below it, which come first.
 CROSSED = {1: np.array([[0, 1], [0, 2], [0, 3]]), 2: np.array([[0, 2], [0, 3], [1, 3], [1, 2]]), 3: np.array([[0, 3], [1, 3], [2, 3]])}
-# The 8 tetrahedra that the nodes of a quadratic one make (VTK's order).
-PARTS = np.array([[0, 4, 6, 7], [4, 1, 5, 8], [6, 5, 2, 9], [7, 8, 9, 3], [4, 6, 7, 8], [4, 5, 6, 8], [6, 5, 9, 8], [6, 7, 8, 9]])
+SIDES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])  # on which a quadratic tetrahedron has its other nodes (VTK's order)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -70,7 +71,7 @@ class CutSurface:
         points = whole.of_nodes(mesh.coordinates)
         height = cut.heights(points)
         triangles, owner, self._new = _clipped(whole.triangles, height)
-        section, cell, self._section, outlines = _section_of(mesh, cells, cut)
+        self._inside, section, cell, self._section, outlines = _section_of(mesh, cells, cut, whole.divisions)
         first = len(points) + len(self._new[0])
         self.triangles = np.vstack([triangles, first + section])
         self.face_of_triangle = np.append(whole.face_of_triangle[owner], len(whole.cell_of_face) + np.arange(len(section)))
@@ -87,10 +88,10 @@ class CutSurface:
         self.triangles, self.element_edges = (number[:self.triangles.size].reshape(-1, 3), number[self.triangles.size:].reshape(-1, 2))
 
     def of_nodes(self, values):
-        return self._cut(self._whole.of_nodes(values), values)
+        return self._cut(self._whole.of_nodes(values), self._inside.of_nodes(values))
 
     def field_of_nodes(self, values):
-        return self._cut(self._whole.field_of_nodes(values), values)
+        return self._cut(self._whole.field_of_nodes(values), self._inside.field_of_nodes(values))
 
     def of_cells(self, values):
         return self.field_of_nodes(self.nodal_means(values))
@@ -98,8 +99,60 @@ class CutSurface:
     def nodal_means(self, values):
         return self._whole.nodal_means(values)
 
-    def _cut(self, outside, values):
-        return np.concatenate([outside, _between(outside, *self._new), _between(values, *self._section)])[self._used]
+    def _cut(self, outside, inside):
+        return np.concatenate([outside, _between(outside, *self._new), _between(inside, *self._section)])[self._used]
+
+
+class Lattice:
+    """Points in elements, shared between neighbours: the parts of `cells`, each divided into `divisions`^3 tetrahedra, whose faces are those
+    that pliant.Surface has. `parts`: their corners, as numbers of points."""
+
+    def __init__(self, mesh, cells, divisions):
+        nodes = mesh.cells[cells]
+        corners = _divided(divisions)
+        barycentric, number = np.unique(corners.reshape(-1, 4), axis=0, return_inverse=True)
+        # As in pliant.Surface: a point is named by the corners, each as often as its share.
+        labels = np.random.default_rng(0).integers(1, 2**63, size=len(mesh.coordinates), dtype=np.uint64)
+        names = (labels[nodes[:, None, :4]] * barycentric[None].astype(np.uint64)).sum(axis=2, dtype=np.uint64)
+        _, first, point = np.unique(names.ravel(), return_index=True, return_inverse=True)
+        cell, position = np.divmod(first, len(barycentric))
+        self._nodes, self._weights = nodes[cell], _shape_functions(barycentric / divisions, nodes.shape[1])[position]
+        self.parts = point.reshape(names.shape)[:, number.ravel()].reshape(-1, 4)
+        self.cell_of_part = np.repeat(cells, len(corners))
+
+    def of_nodes(self, values):
+        return np.einsum("pk,pkc->pc", self._weights, values[self._nodes])
+
+    def field_of_nodes(self, values):
+        """Not beyond the values of the nodes around."""
+        of_nodes, around = values[self._nodes], (self._weights != 0)[..., None]
+        return np.clip(self.of_nodes(values), np.where(around, of_nodes, np.inf).min(axis=1, initial=np.inf), np.where(around, of_nodes, -np.inf).max(axis=1, initial=-np.inf))
+
+
+def _divided(n):
+    """The corners of n^3 tetrahedra that make one, as n times their barycentric coordinates: those of 1 >= x >= y >= z >= 0 that lie in cubes cut
+    along their diagonals (Freudenthal's division)."""
+    corners = []
+    for cube, order in itertools.product(itertools.product(range(n), repeat=3), itertools.permutations(range(3))):
+        x = np.array(cube) + np.cumsum(np.vstack([np.zeros(3, dtype=int), np.eye(3, dtype=int)[list(order)]]), axis=0)
+        if (x[:, :-1] >= x[:, 1:]).all():
+            corners.append(np.column_stack([n - x[:, 0], x[:, 0] - x[:, 1], x[:, 1] - x[:, 2], x[:, 2]]))
+    return np.array(corners)
+
+
+def _shape_functions(barycentric, num_nodes):
+    """Values of those of the linear or quadratic tetrahedron: points x num_nodes."""
+    if num_nodes == 4:
+        return barycentric
+    return np.column_stack([barycentric * (2 * barycentric - 1), 4 * barycentric[:, SIDES[:, 0]] * barycentric[:, SIDES[:, 1]]])
+
+
+def _crossed(mesh, cells, cut):
+    """Those of the cells that the plane may cross: the control points of a curved one, around it, are not all on one side."""
+    height = cut.heights(mesh.coordinates)[mesh.cells[cells]]
+    if height.shape[1] == 10:
+        height[:, 4:] = 2 * height[:, 4:] - height[:, SIDES].mean(axis=2)
+    return cells[(height.min(axis=1) <= 0) & (height.max(axis=1) > 0)]
 
 
 def _between(values, pairs, share):
@@ -130,15 +183,15 @@ def _clipped(triangles, height):
     return np.vstack(parts), np.concatenate([kept, one, two, two]), new
 
 
-def _section_of(mesh, cells, cut):
-    """(triangles, cell, points, outlines): the polygons in which the plane cuts tetrahedra, seen counterclockwise from above; `points`
-    are pairs of nodes and shares; `outlines` are the sides of elements."""
+def _section_of(mesh, cells, cut, divisions):
+    """(inside, triangles, cell, points, outlines): the polygons in which the plane cuts tetrahedra, seen counterclockwise from above; `points`
+    are pairs of points of the Lattice `inside` and shares; `outlines` are the sides of elements."""
     stand_ins = np.isin(np.array(mesh.body_names), [*mesh.masses, *mesh.rods, *mesh.sections, *mesh.shells])
-    cells = cells[~stand_ins[mesh.body[cells]]]
-    nodes, owner = mesh.cells[cells], cells
-    if nodes.shape[1] == 10:
-        nodes, owner = nodes[:, PARTS].reshape(-1, 4), np.repeat(cells, len(PARTS))
-    height = cut.heights(mesh.coordinates)
+    cells = _crossed(mesh, cells[~stand_ins[mesh.body[cells]]], cut)
+    inside = Lattice(mesh, cells, divisions if mesh.cells.shape[1] == 10 else 1)
+    nodes, owner = inside.parts, inside.cell_of_part
+    x_inside = inside.of_nodes(mesh.coordinates)
+    height = cut.heights(x_inside)
     below = height[nodes] <= 0
     polygons, owners = [], []
     for lower in (1, 2, 3):
@@ -148,7 +201,7 @@ def _section_of(mesh, cells, cut):
         polygons.append(sorted_nodes[:, CROSSED[lower]])
         owners.append(owner[chosen])
     points, number = _crossings(np.vstack([sides.reshape(-1, 2) for sides in polygons]), height)
-    x = _between(mesh.coordinates, *points)
+    x = _between(x_inside, *points)
     triangles, of_cells, outlines, of_outlines, start = [], [], [], [], 0
     for sides, of_cell in zip(polygons, owners):
         corners = number[start:start + sides.shape[0] * sides.shape[1]].reshape(sides.shape[:2])
@@ -162,10 +215,10 @@ def _section_of(mesh, cells, cut):
     a, b, c = (x[triangles[:, k]] for k in range(3))
     turned = np.cross(b - a, c - a) @ cut.normal < 0
     triangles[turned] = triangles[turned][:, ::-1]
-    return triangles, np.concatenate(of_cells), points, _once_in_a_cell(np.vstack(outlines), np.concatenate(of_outlines))
+    return inside, triangles, np.concatenate(of_cells), points, _once_in_a_cell(np.vstack(outlines), np.concatenate(of_outlines))
 
 
 def _once_in_a_cell(outlines, cell):
-    """Without those between two of the tetrahedra that make a quadratic one."""
+    """Without those between two of the tetrahedra that make an element."""
     _, first, count = np.unique(np.column_stack([cell, np.sort(outlines, axis=1)]), axis=0, return_index=True, return_counts=True)
     return outlines[np.sort(first[count == 1])]
