@@ -1,17 +1,18 @@
 #include "base/file.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 
 #include <algorithm>
 #include <cerrno>
 #include <fcntl.h>
-#include <string>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
 #include <thread>
 #include <unistd.h>
 #include <utility>
+#include <vector>
 
 namespace pliant {
 namespace {
@@ -184,6 +185,20 @@ void make_directory(const std::filesystem::path& directory) {
     throw FileError("cannot make the directory '" + directory.string() + "': " + error.message() +
                     (is_forbidden ? "; `--output` names another" : ""));
   }
+}
+
+std::string similar_file(const std::filesystem::path& missing) {
+  constexpr std::size_t most = 10000;  // entries
+  std::error_code error;
+  std::vector<std::string> names;
+  const std::filesystem::path directory = missing.has_parent_path() ? missing.parent_path() : ".";
+  for (std::filesystem::directory_iterator entry(directory, error), end; !error && entry != end && names.size() < most;
+       entry.increment(error)) {
+    std::error_code ignored;
+    if (entry->is_regular_file(ignored)) names.push_back(entry->path().filename().string());
+  }
+  std::ranges::sort(names);
+  return did_you_mean(missing.filename().string(), names);
 }
 
 DirectoryLock::DirectoryLock(const std::filesystem::path& directory, std::chrono::milliseconds patience)

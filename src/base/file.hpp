@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace pliant {
@@ -73,6 +74,9 @@ void replace_file(const std::filesystem::path& from, const std::filesystem::path
 
 /// Creates the directory and its parents; it may exist.
 void make_directory(const std::filesystem::path& directory);
+
+/// " (did you mean 'x'?)" for the file of the closest name in the same directory, else empty. Throws nothing.
+std::string similar_file(const std::filesystem::path& missing);
 
 /// A lock on a directory: while it lives, no other process can hold it, as far as the directory's file system supports
 /// locks between processes. It ends with the process, however that ends.

@@ -72,6 +72,21 @@ std::optional<std::string> closest(std::string_view word, std::span<const std::s
 }
 
 std::string did_you_mean(std::string_view word, std::span<const std::string> candidates) {
+  constexpr std::size_t most = 6;
+  std::vector<std::string> longer;  // those that continue the word, as columns continue the name of a probe
+  for (const std::string& candidate : candidates) {
+    const bool continues =
+        !word.empty() && candidate.starts_with(word) && candidate.substr(word.size()).starts_with('_');
+    if (continues) longer.push_back("'" + candidate + "'");
+  }
+  if (longer.size() > most) {
+    longer.resize(most - 1);
+    longer.emplace_back("another of these");
+  }
+  if (longer.size() == 1) return " (did you mean " + longer.front() + "?)";
+  if (!longer.empty()) {
+    return fmt::format(" (did you mean {} or {}?)", joined(std::span(longer).first(longer.size() - 1)), longer.back());
+  }
   const auto best = closest(word, candidates);
   return best ? " (did you mean '" + *best + "'?)" : "";
 }

@@ -15,7 +15,7 @@ int edit_distance(std::string_view a, std::string_view b);
 /// The candidate closest to a misspelt `word`; nothing if none is close.
 std::optional<std::string> closest(std::string_view word, std::span<const std::string> candidates);
 
-/// " (did you mean 'x'?)" for the closest candidate, else empty.
+/// " (did you mean 'x'?)" for the candidates that continue the word after '_', or else the closest one; else empty.
 std::string did_you_mean(std::string_view word, std::span<const std::string> candidates);
 
 /// The items separated by ", ".

@@ -22,6 +22,17 @@
 namespace pliant {
 namespace {
 
+/// Does not show options as lists that take one value each time they are given.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_opts(const CLI::Option* option) const override {
+    constexpr std::string_view list = " ...";
+    std::string text = CLI::Formatter::make_option_opts(option);
+    const auto at = text.find(list);
+    return option->get_allow_extra_args() || at == std::string::npos ? text : text.erase(at, list.size());
+  }
+};
+
 std::string no_command(const std::string& word, const CLI::App& among, const std::string& instead = "") {
   std::vector<std::string> names;
   for (const CLI::App* sub : among.get_subcommands({})) names.push_back(sub->get_name());
@@ -40,6 +51,11 @@ std::string no_place_for(const std::vector<std::string>& words, const CLI::App& 
   }
   if (option == words.end()) return fmt::format("it takes no argument '{}'", words.front());
   const std::string name = option->substr(0, option->find('='));
+  if (name == "-n" || name == "-np") {
+    const bool has_number = option + 1 != words.end() && parse_number(*(option + 1)).has_value();
+    return fmt::format("it has no option '{0}'; on several ranks: mpirun -n {1} pliant {2} INPUT", name,
+                       has_number ? *(option + 1) : "2", command.get_name());
+  }
   std::vector<std::string> known;
   for (const CLI::Option* of : command.get_options()) {
     for (const std::string& long_name : of->get_lnames()) known.push_back("--" + long_name);
@@ -136,6 +152,7 @@ CommandLine::CommandLine(MPI_Comm comm, const SweepOptions& of_sweep)
       "share/pliant, such as /usr/share/pliant/docs/index.md.");
   app_.set_version_flag("--version", version_text);
   app_.require_subcommand(1);
+  app_.formatter(std::make_shared<HelpFormatter>());  // before commands, which take it over
   add_run();
   add_resume();
   add_info();

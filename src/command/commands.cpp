@@ -161,7 +161,7 @@ Lines description_of(Model& model, const Config& config) {
 
 void check_model(const Config& config, Model& model, const Mesh* mesh, const std::string& page, Console& console) {
   const Lines lines = description_of(model, config);
-  console.print(fmt::format("{}: the input is well", config.file));
+  console.print(fmt::format("{}: the input is valid", config.file));
   for (const auto& line : lines) console.print(line);
   for (const auto& diagnostic : model.diagnostics()) console.report(diagnostic);
   if (mesh != nullptr) console.print(write_model_page(*mesh, config, model, lines, page));

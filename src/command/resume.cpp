@@ -1,5 +1,6 @@
 #include "command/resume.hpp"
 
+#include "base/file.hpp"
 #include "base/text.hpp"
 #include "io/result_info.hpp"
 #include "io/result_reader.hpp"
@@ -118,7 +119,13 @@ std::vector<fs::path> candidates(const fs::path& place) {
     }
     return files;
   }
-  if (!fs::exists(place, ignored)) throw FileError(fmt::format("there is no file '{}'", place.string()));
+  if (place.extension() == ".yaml" && fs::exists(place, ignored)) {
+    throw FileError(fmt::format("'{}' is an input, not a checkpoint: give the directory of its results, such as out/{}",
+                                place.string(), place.stem().string()));
+  }
+  if (!fs::exists(place, ignored)) {
+    throw FileError(fmt::format("there is no file '{}'{}", place.string(), similar_file(place)));
+  }
   std::vector<fs::path> files{place};
   const auto all = checkpoints_in(place.has_parent_path() ? place.parent_path() : ".");
   const auto here = std::ranges::find(all, place.filename(), [](const fs::path& file) { return file.filename(); });

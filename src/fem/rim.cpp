@@ -323,6 +323,19 @@ Rim classify(const NodeLayout& layout, std::vector<RimEdge>& edges, const Prescr
   return static_cast<Rim>(static_cast<int>(maximum(layout.comm, static_cast<double>(worst))));
 }
 
+std::vector<std::array<double, 3>> places_of(Rim kind, const NodeLayout& layout, std::vector<RimEdge> edges,
+                                             const PrescribedSamples& prescribed) {
+  std::vector<std::array<double, 3>> places;
+  for (RimEdge& edge : edges) {
+    if (classify_edge(layout, edge, prescribed) != kind) continue;
+    const Vector3<double> a = layout.position(edge.nodes[0]), b = layout.position(edge.nodes[1]);
+    places.push_back(0.5 * (a + b));
+  }
+  places = gathered(layout.comm, places);
+  std::ranges::sort(places);
+  return places;
+}
+
 // A lid in planes has its vector area, half the sum of the moments, along their normals.
 bool planes_close(const NodeLayout& layout, const std::vector<RimEdge>& edges) {
   for (const Loop& loop : loops_of(layout, edges)) {

@@ -45,6 +45,10 @@ std::vector<RimEdge> rim_edges(const NodeLayout& layout, const FacetList& facets
 /// pressure in a stage is integrated along a path on which they move, too.
 Rim classify(const NodeLayout& layout, std::vector<RimEdge>& edges, const PrescribedSamples& prescribed);
 
+/// Middles of the edges of all ranks that are of this kind, in ascending order [m]. Collective.
+std::vector<std::array<double, 3>> places_of(Rim kind, const NodeLayout& layout, std::vector<RimEdge> edges,
+                                             const PrescribedSamples& prescribed);
+
 /// Whether the planes in which edges slide close the ends of a hollow. They do not where a whole loop slides along
 /// walls that lie in these planes, as at the end of a square tube that becomes longer: no lid goes with it. To be
 /// called after `classify`. Collective.

@@ -274,16 +274,18 @@ Format<std::string> column_name() {
   return format;
 }
 
-Format<std::string> choice(const std::vector<std::string>& names) {
+Format<std::string> choice(const std::vector<std::string>& names, const std::string& hint) {
   Format<std::string> format{"one of " + joined(names), shared({{"enum", names}}), {}, {}};
-  format.read = [names](const InputNode& node, const std::string& name, Diagnostics& diagnostics, std::string& into) {
+  format.read = [names, hint](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
+                              std::string& into) {
     if (std::find(names.begin(), names.end(), node.text) != names.end() && node.kind == InputNode::Kind::scalar) {
       into = node.text;
       return true;
     }
     const std::string wanted = names.size() == 1 ? "'" + names.front() + "'" : "one of " + joined(names);
+    const std::string meant = did_you_mean(node.text, names);
     diagnostics.add(node.place(),
-                    "'" + name + "' must be " + wanted + ", not " + description(node) + did_you_mean(node.text, names));
+                    "'" + name + "' must be " + wanted + ", not " + description(node) + (meant.empty() ? hint : meant));
     return false;
   };
   format.write = [](const std::string& value) { return value.empty() ? InputNode{} : InputNode::scalar(value); };

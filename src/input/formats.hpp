@@ -40,7 +40,8 @@ Format<Located<std::string>> path_of_file();
 Format<bool> truth();
 /// A text that can stand in the header of a CSV column.
 Format<std::string> column_name();
-Format<std::string> choice(const std::vector<std::string>& names);
+/// One of the names; `hint` ends the message about another one, if none is close to it.
+Format<std::string> choice(const std::vector<std::string>& names, const std::string& hint = "");
 /// A number, a number with a unit, or a formula in SI.
 Format<Expression> expression(const std::string& unit, Variables variables);
 /// As `expression`, or the word `free` for nothing.

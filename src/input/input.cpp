@@ -1,5 +1,6 @@
 #include "input/input.hpp"
 
+#include "base/file.hpp"
 #include "input/checks.hpp"
 #include "input/defaults.hpp"
 #include "input/keys.hpp"
@@ -41,8 +42,9 @@ std::string file_text(const std::string& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) {
     const bool exists = fs::exists(file, ignored);
-    throw InputError({file, 0, 0}, exists ? "the input file cannot be read; check its permissions"
-                                          : "there is no such input file; check its name and the working directory");
+    throw InputError({file, 0, 0}, exists ? std::string("the input file cannot be read; check its permissions")
+                                          : "there is no such input file" + similar_file(file) +
+                                                "; check its name and the working directory");
   }
   std::string text(static_cast<std::size_t>(most), '\0');
   stream.read(text.data(), most);

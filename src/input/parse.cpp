@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <map>
 #include <optional>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
@@ -244,8 +246,10 @@ std::string plain_words(const std::string& message) {
       Translation{"end of map flow not found", "a '}' is missing in the map before this place"},
       Translation{"illegal flow end", "this bracket was never opened"},
       Translation{"unknown token", "text cannot start with this character; put it in quotes"},
-      Translation{"the referenced anchor is not defined",
-                  "this alias refers to an anchor ('&name') that is not defined before"},
+      Translation{
+          "the referenced anchor is not defined",
+          "this alias refers to an anchor ('&name') that is not defined before; a formula that begins with '*' needs "
+          "quotes"},
       Translation{"end of map not found", "this line does not belong to the keys above; check the indentation"},
       Translation{"end of sequence not found", "this line does not belong to the list above; check the indentation"},
   };
@@ -267,10 +271,51 @@ std::optional<int> column_of_tab(const std::string& text, int line) {
   return tab < indent ? std::optional(static_cast<int>(tab) + 1) : std::nullopt;
 }
 
+/// The bracket of the text that is not closed, or not by its counterpart: the first such place. Nothing if there is
+/// none, or if a quote is not closed.
+std::optional<std::size_t> unclosed_bracket(const std::string& text) {
+  std::vector<std::size_t> open;  // positions of brackets
+  bool begins = true;             // whether a value or a key may begin at the next character that is not blank
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
+    const bool follows_blank = at == 0 || std::isspace(static_cast<unsigned char>(text[at - 1])) != 0;
+    if (c == '#' && follows_blank) {
+      at = std::min(text.find('\n', at), text.size()) - 1;
+    } else if ((c == '"' || c == '\'') && begins) {
+      for (++at; at < text.size() && text[at] != c; ++at) {
+        if (c == '"' && text[at] == '\\') ++at;
+      }
+      if (at >= text.size()) return {};
+      begins = false;
+    } else if ((c == '[' || c == '{') && (begins || !open.empty())) {
+      open.push_back(at);
+      begins = true;
+    } else if ((c == ']' || c == '}') && !open.empty()) {
+      if ((text[open.back()] == '[') != (c == ']')) return open.back();
+      open.pop_back();
+      begins = false;
+    } else if (std::isspace(static_cast<unsigned char>(c)) != 0) {
+      begins = begins || c == '\n';
+    } else {
+      const bool ends_word = at + 1 == text.size() || std::isspace(static_cast<unsigned char>(text[at + 1])) != 0;
+      begins = (c == ',' && !open.empty()) || ((c == ':' || (c == '-' && begins)) && ends_word);
+    }
+  }
+  return open.empty() ? std::nullopt : std::optional(open.back());
+}
+
 InputError syntax_error(const YAML::Exception& error, const std::string& text, const std::string& file) {
   const Location where{file, error.mark.line + 1, error.mark.column + 1};
   if (const auto column = column_of_tab(text, where.line)) {
     return {{file, where.line, *column}, "tabs cannot indent YAML; use spaces"};
+  }
+  if (const auto bracket = unclosed_bracket(text)) {
+    const auto line = 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(*bracket), '\n'));
+    const std::size_t begin = *bracket == 0 ? 0 : text.rfind('\n', *bracket - 1) + 1;  // 0 without a line before
+    if (line <= where.line) {
+      return {{file, line, static_cast<int>(*bracket - begin) + 1},
+              fmt::format("not valid YAML: the '{}' is not closed", text[*bracket])};
+    }
   }
   return {where, "not valid YAML: " + plain_words(error.msg)};
 }

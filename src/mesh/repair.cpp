@@ -80,8 +80,10 @@ void turn_inverted_round(SerialMesh& mesh, MeshReport& report, Reasons& reasons)
   }
   report.num_inverted_cells = static_cast<long long>(inverted.size());
   if (!inverted.empty()) {
-    report.notices.push_back(std::to_string(inverted.size()) + " inverted tetrahedra were reoriented: element " +
-                             first_few(inverted));
+    const std::string what = inverted.size() == 1
+                                 ? "1 inverted tetrahedron was reoriented"
+                                 : std::to_string(inverted.size()) + " inverted tetrahedra were reoriented";
+    report.notices.push_back(what + ": element " + first_few(inverted));
   }
 }
 

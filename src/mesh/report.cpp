@@ -1,6 +1,7 @@
 #include "mesh/report.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -50,7 +51,10 @@ void describe_ranks(std::string& text, const MeshReport& report) {
 }  // namespace
 
 std::string extent_text(const std::array<double, 6>& bounds) {
-  const auto& b = bounds;
+  std::array<double, 6> b = bounds;
+  constexpr double rounding = 1e-12;
+  const double size = std::hypot(b[3] - b[0], b[4] - b[1], b[5] - b[2]);
+  for (double& x : b) x = std::abs(x) > rounding * size ? x : 0.0;
   return fmt::format("[{:.6g}, {:.6g}] x [{:.6g}, {:.6g}] x [{:.6g}, {:.6g}] m", b[0], b[3], b[1], b[4], b[2], b[5]);
 }
 

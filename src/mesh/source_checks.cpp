@@ -1,5 +1,6 @@
 #include "mesh/source_checks.hpp"
 
+#include "base/file.hpp"
 #include "base/text.hpp"
 
 #include <algorithm>
@@ -24,7 +25,7 @@ void telling_the_user(const MeshSource& source, const std::function<void()>& wor
 
 void require_readable(const std::string& file) {
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) throw MeshDefect("the file does not exist");
+  if (!std::filesystem::exists(file, error)) throw MeshDefect("the file does not exist" + similar_file(file));
   if (std::filesystem::is_directory(file, error)) throw MeshDefect("it is a directory, not a file");
   if (!std::filesystem::is_regular_file(file, error)) throw MeshDefect("it is a pipe or a device, not a file");
   std::ifstream stream(file, std::ios::binary);

@@ -72,10 +72,14 @@ double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const Fac
                  std::vector<RimEdge>& edges, const PrescribedSamples& samples) {
   const Rim rim = classify(layout, edges, samples);
   if (rim == Rim::free || rim == Rim::moving) {
+    const auto places = places_of(rim, layout, edges, samples);
+    const auto& [x, y, z] = places.front();
     throw InputError(cavity.where,
-                     fmt::format("the cavity '{}' is open: the edge of {} {}; close the surface, hold its edge at "
-                                 "displacement 0, or let it slide in planes of constant x, y or z",
-                                 cavity.name, describe(cavity.part), rim == Rim::free ? "can move" : "moves"));
+                     fmt::format("the cavity '{}' is open: the edge of {} {} ({} edges of its facets, the first near "
+                                 "({:.4g}, {:.4g}, {:.4g}) m); close the surface, hold its edge at displacement 0, or "
+                                 "let it slide in planes of constant x, y or z",
+                                 cavity.name, describe(cavity.part), rim == Rim::free ? "can move" : "moves",
+                                 places.size(), x, y, z));
   }
   if (!planes_close(layout, edges)) {
     throw InputError(cavity.where,

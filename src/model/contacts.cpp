@@ -225,9 +225,11 @@ void Contacts::check_start(const Instant& at, std::span<const double> q) const {
   for (const auto& [obstacle, body, term] : pairs_) {
     if (std::isfinite(sum(layout_.comm, term->energy_at(at, q, {})))) continue;
     const ObstacleConfig& o = config_.obstacles[obstacle];
-    throw InputError(o.where, fmt::format("'{}' overlaps the obstacle '{}' at the start, which a barrier does not "
-                                          "allow; move one of them, or use 'law: penalty'",
-                                          body_names_[body], o.name));
+    const double gap = start_gap(layout_.comm, *surfaces_[body], obstacles_[obstacle]->at(at), q).gap;
+    throw InputError(
+        o.where, fmt::format("'{}' touches or overlaps the obstacle '{}' at the start (gap {:.3g} m), which a barrier "
+                             "does not allow; leave a gap, if only of {:.1g} m, or use 'law: penalty'",
+                             body_names_[body], o.name, gap, 0.02 * facet_sizes_[body]));
   }
   if (between_) between_->check_start(q);
 }

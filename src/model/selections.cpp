@@ -245,9 +245,9 @@ std::optional<Selection> Selections::volume_or_surface(const Located<std::string
     }
   }
   report(name.where,
-         fmt::format("no volume or surface '{}' in the mesh{}; {}", name.value, did_you_mean(name.value, names),
+         fmt::format("no volume, surface or rigid body '{}'{}; {}", name.value, did_you_mean(name.value, names),
                      names.empty() ? "the mesh has none: leave the key out for all bodies"
-                                   : fmt::format("the mesh has: {}", joined(names))));
+                                   : fmt::format("there are: {}", joined(names))));
   return std::nullopt;
 }
 

@@ -50,16 +50,13 @@ class Membership {
 
   /// Sets the bit of the facets of a surface or of the outer facets of a volume. Collective.
   void add(const Located<std::string>& name, int bit) {
-    using Kind = Selection::Kind;
-    Selection part;
-    part.name = name.value;
-    part.where = name.where;
-    part.kind = Kind::surface;
-    const std::uint64_t mask = std::uint64_t{1} << bit;
-    if (!selections_.has_group(Kind::surface, name.value) && selections_.has_group(Kind::volume, name.value)) {
-      part.kind = Kind::volume;
-    }
-    add(part, mask);
+    Selection surface;
+    surface.kind = Selection::Kind::surface;
+    surface.name = name.value;
+    surface.where = name.where;
+    const bool is_surface = selections_.has_group(surface.kind, name.value);
+    const auto part = is_surface ? std::optional(surface) : selections_.volume_or_surface(name);
+    if (part) add(*part, std::uint64_t{1} << bit);
   }
   /// Sets bits of the facets of a part of the surface, or of the outer facets of a volume. Collective.
   void add(const Selection& part, std::uint64_t mask) {

@@ -104,6 +104,9 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
     result.push_back(fmt::format("the load at {} acts at once in its full size: let it grow, as \"1e3*min(t/0.1, 1)\"",
                                  report.load_at_once));
   }
+  if (!report.doubt_about_units.empty()) {
+    result.push_back(fmt::format("units of the material: {}", report.doubt_about_units));
+  }
   const auto is_changed = [](const NewtonIteration& it) { return it.hessian != NewtonIteration::Hessian::exact; };
   if (report.has_load_steps && iterations != nullptr && std::ranges::any_of(*iterations, is_changed)) {
     result.emplace_back(

@@ -117,7 +117,9 @@ void FitMaterial::add_constants(const FitMaterialConfig& material) {
   const auto& held = material.held;
   const int most = most_terms(law);
   if (material.terms && most == 0) {
-    throw InputError(material.where, fmt::format("'terms' does not go with {}, whose terms are fixed", material.model));
+    throw InputError(material.where, fmt::format("'terms' does not go with {}, whose terms are fixed; give a constant "
+                                                 "as 0 to leave it out, as in '{{model: yeoh, c30: 0 Pa}}'",
+                                                 material.model));
   }
   if (material.terms.value_or(1) > std::max(most, 1)) {
     throw InputError(material.where, fmt::format("'terms' of {} is at most {}", material.model, most));

@@ -31,6 +31,8 @@ TEST(DidYouMean, FindsTheNearKeyAndOnlyThat) {
   EXPECT_EQ(closest(std::string(100000, 'x'), keys), std::nullopt);
   EXPECT_EQ(did_you_mean("modle", keys), " (did you mean 'model'?)");
   EXPECT_EQ(did_you_mean("xyzzy", keys), "");
+  const std::vector<std::string> columns{"step", "tip_x", "tip_y", "tip_z"};
+  EXPECT_EQ(did_you_mean("tip", columns), " (did you mean 'tip_x', 'tip_y' or 'tip_z'?)");
 }
 
 TEST(ParseNumber, TakesWholeTextsOnly) {

@@ -394,19 +394,23 @@ INSTANTIATE_TEST_SUITE_P(
             "  - {volume: @a, density: 1, elasticity: *e}",
             "bodies[1] and bodies[0] fill the same volume"}));
 
-INSTANTIATE_TEST_SUITE_P(Yaml, BadInput,
-                         ::testing::Values(Bad{6, "title: a@: b", "not valid YAML: ':' is not expected here"},
-                                           Bad{6, "output:\n@\tdirectory: x", "tabs cannot indent YAML; use spaces"},
-                                           Bad{6, "title: @'never closed", "this quote is not closed"},
-                                           Bad{6, "title: @\"never closed \\\"", "this quote is not closed"},
-                                           Bad{6, "title: @%x",
-                                               "text cannot start with this character; put it in quotes"},
-                                           Bad{6, "title: @*none", "an anchor ('&name') that is not defined"},
-                                           Bad{6, "title: &a [@*a]", "this alias refers to a value that contains it"},
-                                           Bad{6, "title: @]", "this bracket was never opened"},
-                                           Bad{6, "@---\ntitle: second", "the input ends before this line"},
-                                           Bad{6, "title: caf@\xE9", "this is not UTF-8 text"},
-                                           Bad{6, "title: a@\x01z", "the file contains a control character"}));
+INSTANTIATE_TEST_SUITE_P(
+    Yaml, BadInput,
+    ::testing::Values(Bad{6, "title: a@: b", "not valid YAML: ':' is not expected here"},
+                      Bad{6, "output:\n@\tdirectory: x", "tabs cannot indent YAML; use spaces"},
+                      Bad{6, "title: @'never closed", "this quote is not closed"},
+                      Bad{6, "title: @\"never closed \\\"", "this quote is not closed"},
+                      Bad{6, "title: @%x", "text cannot start with this character; put it in quotes"},
+                      Bad{6, "title: @*none", "an anchor ('&name') that is not defined"},
+                      Bad{6, "title: &a [@*a]", "this alias refers to a value that contains it"},
+                      Bad{6, "title: @*sin(t)", "a formula that begins with '*' needs quotes"},
+                      Bad{6, "probes:\n  - @{name: a, point: [0, 0, \"x]\"]\n  - {name: b}", "the '{' is not closed"},
+                      Bad{6, "probes: [{name: it's, point: @[0, 0, 0}]  # ]", "the '[' is not closed"},
+                      Bad{6, "title: a [Pa\nprobes: [[a], b: {c: 1}@: d]", "not valid YAML"},
+                      Bad{6, "title: @]", "this bracket was never opened"},
+                      Bad{6, "@---\ntitle: second", "the input ends before this line"},
+                      Bad{6, "title: caf@\xE9", "this is not UTF-8 text"},
+                      Bad{6, "title: a@\x01z", "the file contains a control character"}));
 
 TEST(InputErrors, AllAreReportedAtOnceInTheOrderOfTheFile) {
   const auto found = mistakes(R"yaml(titel: x
@@ -466,7 +470,7 @@ TEST(InputErrors, OfOverridesNameTheOverride) {
       {{"time.step.size", "1"}, "there is no key 'size' in the value '0.01'"},
       {{"", "1"}, "the path must be keys separated by dots"},
       {{"time..step", "1"}, "the path must be keys separated by dots"},
-      {{"time", "[1, 2"}, "a ']' is missing"},
+      {{"time", "[1, 2"}, "the '[' is not closed"},
       {{"time", "{step: 1, step: 2}"}, "key 'step' is given twice"},
       {{"mesh.file", ""}, "key 'file' in mesh has no value"}};
   for (const auto& [change, message] : cases) {

@@ -236,7 +236,7 @@ TEST(Msh, InvertedTetrahedraAreTurnedRoundAndOrphansDropped) {
   EXPECT_EQ(mesh.report.num_orphan_nodes, 1);
   EXPECT_NEAR(mesh.report.volume, 0.5, 1e-15);
   EXPECT_EQ(mesh.report.bounds[3], 1.0);
-  EXPECT_TRUE(has_notice(mesh, "1 inverted tetrahedra were reoriented: element 7"));
+  EXPECT_TRUE(has_notice(mesh, "1 inverted tetrahedron was reoriented: element 7"));
   EXPECT_TRUE(has_notice(mesh, "node 77"));
 }
 

@@ -119,7 +119,7 @@ class Cavities(ProgramTest):
         cavity = "cavities: [{name: c, surface: left, gas: {}}]\n"
         moving = TUBE.replace("surface: top, displacement: [free, free, 0]", "surface: top, displacement: [0, 0, 0.01]")
         shifted = TUBE.replace("surface: top, displacement: [free, free, 0]", "surface: top, displacement: [free, free, 0.01]")
-        for text, message in ((shifted, "is open: the edge of surface 'left' can move"),
+        for text, message in ((shifted, "is open: the edge of surface 'left' can move (3 edges of its facets, the first near (0.125, "),
                               (moving, "is open: the edge of surface 'left' moves"),
                               (TUBE, "between two parallel planes")):
             with self.subTest(message):

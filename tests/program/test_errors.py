@@ -52,6 +52,7 @@ BAD_LINES = {
     "pressure as a vector": ("loads", "loads: [{surface: top, pressure: @[0, 0, 1]}]", "'pressure' must be a pressure"),
     "pressure on nothing": ("loads", "loads: [@{pressure: 2 kPa}]", "surface, box, where"),
     "unknown method": ("time", "time: {method: @bdf22, step: 0.01, end: 1}", "did you mean 'bdf2'"),
+    "method of other programs": ("time", "time: {method: @newmark, step: 0.01, end: 1}", "not 'newmark' .for motion: 'bdf2'"),
     "integrator that PETSc does not have": ("time", "time: {method: {petsc: @rk}, step: 0.01, end: 1}", "alpha2, bdf, arkimex"),
     "coefficients that are no method": ("time", "time: {method: @{A: [[0.5]], b: [0.9]}, step: 0.01, end: 1}", "inconsistent"),
     "adaptive steps of a symplectic method": ("time", "time: {method: implicit-midpoint, end: 1, adaptive: @{}}", "symplectic"),
@@ -76,6 +77,8 @@ BAD_AGAINST_THE_MESH = {
     "misspelt surface": ("constraints", "constraints: [{surface: @lefd, displacement: [0, 0, 0]}]", "did you mean 'left'"),
     "surface as volume": ("bodies", "bodies: [{volume: @left, " + LAW + "}]", "surface: left|surface"),
     "volume as surface": ("constraints", "constraints: [{surface: @body, displacement: [0, 0, 0]}]", "volume"),
+    "contact with an unknown part": ("output", "contact: {pairs: [{surface: left, with: @bdoy}]}",
+                                     "no volume, surface or rigid body 'bdoy' .did you mean 'body'.*there are: "),
     "contact of an unknown surface": ("output", "contact: {surface: @lefd, obstacles: [{name: a, shape: sphere, radius: 1}]}",
                                       "did you mean 'left'"),
     "contact of no facet": ("output", 'contact: {where: @"x > 10", obstacles: [{name: a, shape: sphere, radius: 1}]}',
@@ -90,7 +93,7 @@ BAD_AGAINST_THE_MESH = {
     "an obstacle from no file": ("output", "contact: {obstacles: [{name: a, shape: surface, file: @nowhere.stl}]}",
                                  "nowhere.stl"),
     "a body beyond a barrier": ("output", "contact: {law: barrier, obstacles: [@{name: a, shape: plane, "
-                                "normal: [0, 0, 1], point: [0, 0, 0.5]}]}", "overlaps the obstacle 'a'"),
+                                "normal: [0, 0, 1], point: [0, 0, 0.5]}]}", "touches or overlaps the obstacle 'a' at the start .gap -0.5 m.*leave a gap"),
     "a probe far from the body": ("output", "probes: [@{name: tip, point: [0, 0.5, 100]}]",
                                   r"'tip' lies outside the mesh, 99 m from its nearest point \(0, 0.5, 1\)"),
     "a script that runs a program": ("mesh", "mesh: {file: @commands.geo}",
@@ -109,7 +112,7 @@ BAD_AGAINST_THE_MESH = {
                             "'right' and .*'top'|'top' and .*'right'"),
     "a static body that nothing holds": ("constraints", "constraints: []\ntime: {method: @static}", "constraint"),
     "a column from nowhere": ("output", "output: {history: [{name: a, of: velocity, in: @bdoy, take: max}]}",
-                              "no volume or surface 'bdoy' in the mesh .did you mean 'body'"),
+                              "no volume, surface or rigid body 'bdoy' .did you mean 'body'"),
     "a column of a probe's name": ("output", "probes: [{name: tip, point: [0, 0, 0]}]\n"
                                    "output: {history: [@{name: tip_x, of: velocity, take: max}]}", "a column 'tip_x' of its own"),
     "unknown field": ("output", "output: {fields: [displacement, @stress]}", "stress"),
@@ -193,6 +196,10 @@ TOP_HALFWAY_UP = {"symmetry inside", "pressure inside"}
 # Name: arguments, words of the message.
 BAD_FILES_AND_OPTIONS = {  # told once ranks do different work
     "no such input": (["run", "nowhere.yaml"], "nowhere.yaml"),
+    "an input of nearly this name": (["run", "In.yml"], "there is no such input file .did you mean 'in.yaml'"),
+    "a mesh of nearly this name": (["check", "in.yaml", "--set", "mesh.file=Cube.msh"], "does not exist .did you mean 'cube.msh'"),
+    "ranks as an option": (["run", "in.yaml", "-n", "3"], "no option '-n'; on several ranks: mpirun -n 3 pliant run"),
+    "the beginning of columns": (["sensitivity", "in.yaml", "--of", "left", "--to", "bodies.0.density"], "did you mean 'left_fx', 'left_fy'"),
     "a directory as input": (["run", "folder"], "directory"),
     "an empty input": (["run", "empty.yaml"], "empty"),
     "binary input": (["run", "binary.yaml"], "binary.yaml"),
@@ -348,6 +355,11 @@ class Errors(MistakesTest):
             cases = {name: (self.case("command " + name), arguments, 2, None, words)
                      for name, (arguments, words) in commands.items()}
             self.judge_all(cases, every)
+
+    def test_inputs_where_results_are_expected(self):
+        directory = self.case("input as a result")
+        words = "in.yaml' is .*an input.*: give the directory of its results, such as out/in"
+        self.judge_all({command: (directory, [command, "in.yaml"], 4, None, words) for command in ("info", "report", "resume")}, {1: 1})
 
     def test_output_that_cannot_be_written(self):
         cases = {}

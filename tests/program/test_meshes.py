@@ -85,7 +85,7 @@ ODD = {
     "as it is": (lambda b: None, ""),
     "two parts": (twice, "2 disconnected parts"),
     "huge tags": (huge_tags, ""),
-    "a cell turned round": (turned_round, "1 inverted tetrahedra were reoriented: element 49"),
+    "a cell turned round": (turned_round, "1 inverted tetrahedron was reoriented: element 49"),
     "a cell in no group": (ungrouped_cells, "1 tetrahedra are in no physical volume and were left out"),
     "groups of nothing": (group_of_nothing, "'hole' has no elements"),
     "a node of no cell": (orphans, "1 nodes that no tetrahedron uses were dropped: node 28"),

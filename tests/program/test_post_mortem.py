@@ -33,6 +33,7 @@ CASES = {
                            "{surface: right, displacement: ['t < 0.015 ? 0 : -0.75', 0, 0]}]",
                            "solver.newton.max_iterations=50", "loads=[]"), "inverts tetrahedra", False),
     "static": (("time={method: static, load_steps: 1, end: 0.1}", "solver.newton.max_iterations=1"), "", True),
+    "not in SI": (("bodies.0.elasticity.youngs_modulus=0.5", "bodies.1.elasticity.youngs_modulus=0.5"), "units of the material: ", True),
     "quadratic": (("element=P2",), "", True),
     "quasistatic": (("time={method: quasistatic, step: 50 ms, end: 0.1, min_step: 50 ms}", "solver.newton.max_iterations=1",
                      "loads=[{surface: right, traction: [0, 0, -5000]}]"), "acts at once", True),

@@ -77,7 +77,7 @@ bool derive(MethodKeys keys, const InputNode& node, Diagnostics& diagnostics, Me
 }
 
 Format<MethodConfig> method_choice() {
-  const auto by_name = choice(time_methods());
+  const auto by_name = choice(time_methods(), " (for motion: 'bdf2'; without inertia: 'static', 'quasistatic')");
   const auto by_keys = map_of(method_keys());
   Format<MethodConfig> format{by_name.type + ", or with the keys below",
                               either_schema(by_name.schema, by_keys.schema),
