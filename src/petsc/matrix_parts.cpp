@@ -46,7 +46,14 @@ void get_diagonal(Mat A, Vec D) {
   const ArrayView diagonal(D);
   PetscInt first = 0;
   check(MatGetOwnershipRange(A, &first, nullptr));
-  for (PetscInt row = 0; row < rows.size(); ++row) diagonal[row] = values[0][rows.entry(row, first + row)];
+  // In the rows of a node, which have the same columns, it is one place further in each.
+  PetscInt next = 0;
+  for (PetscInt row = 0; row < rows.size(); ++row) {
+    PetscInt k = rows.begin(row) + next;
+    if (k >= rows.end(row) || rows.column(k) != first + row) k = rows.entry(row, first + row);
+    diagonal[row] = values[0][k];
+    next = k - rows.begin(row) + 1;
+  }
 }
 
 std::array<std::vector<char>, 2> flags_of_columns(Mat A, const std::vector<char>& of_rows) {

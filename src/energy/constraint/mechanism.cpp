@@ -152,7 +152,7 @@ Mechanism::Vector Mechanism::nearest_of_parts(Vec q) const {
 }
 
 void Mechanism::begin_stage(const StagePoint& stage, Vec q) {
-  solution_ = {};
+  forget_solutions();
   violation_.resize(0);
   lag_ = 0.0;
   for (const auto& part : parts_) part->begin_stage(stage, q);
@@ -194,7 +194,7 @@ void Mechanism::begin_stage(const StagePoint& stage, Vec q) {
 }
 
 void Mechanism::begin_end_of_step(Vec q) {
-  solution_ = {};
+  forget_solutions();
   violation_.resize(0);
   lag_ = 0.0;
   for (const auto& part : parts_) part->begin_end_of_step(q);
@@ -204,7 +204,7 @@ void Mechanism::begin_end_of_step(Vec q) {
   joints_.configuration(motions(reference_), Along::columns, given_, g, G_ref_);
   choose_columns();
   // The configuration fulfils the equations, of whatever time.
-  Solution& solution = solution_;
+  Solution& solution = solutions_[last_];
   solution.unknowns.assign(hosts_.size(), 0.0);
   solution.xi = reference_;
   solution.parts = motions(reference_);
@@ -213,14 +213,19 @@ void Mechanism::begin_end_of_step(Vec q) {
 }
 
 const Mechanism::Solution& Mechanism::at(std::span<const double> unknowns) const {
-  Solution& solution = solution_;
-  if (solution.xi.size() > 0 && std::ranges::equal(solution.unknowns, unknowns)) return solution;
+  for (const std::size_t k : {last_, 1 - last_}) {
+    if (solutions_[k].xi.size() == 0 || !std::ranges::equal(solutions_[k].unknowns, unknowns)) continue;
+    last_ = k;
+    return solutions_[k];
+  }
+  const Solution& before = solutions_[last_];
+  last_ = 1 - last_;
+  Solution& solution = solutions_[last_];
   const auto size = static_cast<Eigen::Index>(unknowns.size());
   const Eigen::Map<const Vector> y(unknowns.data(), size);
-  if (solution.xi.size() > 0 && solution.xi.allFinite()) {
+  if (before.xi.size() > 0 && before.xi.allFinite()) {
     // From the last solution along its tangent.
-    const Eigen::Map<const Vector> before(solution.unknowns.data(), size);
-    solution.xi += solution.columns * (y - before);
+    solution.xi = before.xi + before.columns * (y - Eigen::Map<const Vector>(before.unknowns.data(), size));
   } else {
     solution.xi = reference_ + columns_ * y;
   }
@@ -233,11 +238,16 @@ const Mechanism::Solution& Mechanism::at(std::span<const double> unknowns) const
   }
   solution.columns = solution.test_columns = columns_;
   if (!joints_.empty()) {
-    Vector g;
-    solution.columns -= across_ * Matrix(G * across_).partialPivLu().solve(G * columns_);
-    joints_.configuration(solution.parts, Along::test_columns, given_, g, G);
     solution.test.compute(G * across_);
-    solution.test_columns -= across_ * solution.test.solve(G * columns_);
+    solution.columns -= across_ * solution.test.solve(G * columns_);
+    if (is_symmetric()) {
+      solution.test_columns = solution.columns;
+    } else {
+      Vector g;
+      joints_.configuration(solution.parts, Along::test_columns, given_, g, G);
+      solution.test.compute(G * across_);
+      solution.test_columns -= across_ * solution.test.solve(G * columns_);
+    }
   }
   combine(solution);
   return solution;
@@ -276,8 +286,11 @@ void Mechanism::combine(Solution& solution) const {
   solution.virtual_motions.clear();
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     solution.motions.push_back(combined(p, solution.columns, solution.parts[p].columns));
-    solution.virtual_motions.push_back(combined(p, solution.test_columns, solution.parts[p].test_columns));
+    if (!is_symmetric()) {
+      solution.virtual_motions.push_back(combined(p, solution.test_columns, solution.parts[p].test_columns));
+    }
   }
+  if (is_symmetric()) solution.virtual_motions = solution.motions;
 }
 
 double Mechanism::largest_rotation(const Vector& xi) const {
@@ -385,10 +398,6 @@ std::vector<const RigidPart*> Mechanism::parts() const {
     if (!is_symmetric()) result.push_back(part.get());
   }
   return result;
-}
-
-std::vector<BodyMotion<double>> Mechanism::allowed_velocities(std::size_t part) const {
-  return at(std::vector<double>(hosts_.size(), 0.0)).motions[part];
 }
 
 void Mechanism::subtract_given(Vec v) const {
