@@ -345,6 +345,24 @@ class Convert(ConvertTest):
         self.convert("house.inp", model)
         self.assertAlmostEqual(self.history("house.yaml")["base_fz"][-1], 6 * (1 + 0.8 / 3), delta=1e-9)
 
+    def test_stiff_parts_next_to_incompressible_rubber(self):
+        """`volumetric: mixed` of the rubber is not for saint-venant-kirchhoff, and `pliant check` takes what is written."""
+        series = "*VISCOELASTIC, TIME=PRONY\n0.4, 0.2, 0.5\n"
+        laws = ["*HYPERELASTIC, NEO HOOKE\n1e5, 0\n", "*ELASTIC\n1e8, 0.35\n" + series, "*ELASTIC\n1e8, 0\n"]
+        text = abaqus_cubes(laws, "*VISCO\n0.05, 1.\n").replace("*HEADING\n cubes\n", "*HEADING\n three cubes, soft; mm, N,, s,\n")
+        config, said = self.convert("cubes.inp", text)
+        self.assertEqual((config["title"], config["volumetric"]), ("three cubes, soft; mm, N, s", "mixed"))
+        models = [body["elasticity"]["model"] for body in config["bodies"]]
+        self.assertEqual(models, ["neo-hookean-isochoric", "neo-hookean", "neo-hookean-isochoric"])
+        self.assertEqual([config["bodies"][k]["elasticity"]["poissons_ratio"] for k in (1, 2)], [0.35, 0])
+        self.assertEqual([branch["model"] for branch in config["bodies"][1]["viscosity"]], ["prony"])
+        self.assertIn("cube2: neo-hookean with the same Young's modulus and Poisson's ratio stands for saint-venant-kirchhoff", said)
+        self.assertIn("cube3: neo-hookean-isochoric with the same", said)
+        self.assertNotIn("becomes saint-venant-kirchhoff", said)
+        self.pliant("check", "cubes.yaml")
+        _, said = self.convert("cubes.inp", abaqus_cubes(laws[1:2], "*VISCO\n0.05, 1.\n"), "--force")
+        self.assertIn("becomes saint-venant-kirchhoff", said)
+
     def test_what_is_left_out_is_listed(self):
         model = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n*PLASTIC\n1e3, 0.\n"], "*STATIC\n*CONTROLS, RESET\n*CONTACT DAMPING\n1.\n*DLOAD\n"
                              "cube1, CENTRIF, 1., 0, 0, 0, 0, 0, 1\n*NODE PRINT, NSET=all\nU\n")

@@ -52,7 +52,7 @@ def read(file, diagnostics):
         if mesh.read(card) or materials.read(card) or rigid.read(card) or conditions.read(card) or contact.read(card) or steps.read(card):
             continue
         if card.keyword == "HEADING":
-            model.title = next((" ".join(" ".join(entries).split()) for _, entries in card.data if any(entries)), model.title)
+            model.title = next((" ".join(", ".join(entry for entry in entries if entry).split()) for _, entries in card.data if any(entries)), model.title)
         elif card.keyword == "SOLIDSECTION":
             sections.append((mesh.spelled("element", card.value("ELSET")), card))
         elif card.keyword == "RESTART" and card.has("READ"):
@@ -100,4 +100,4 @@ def add_body(model, name, card, materials, analysis, finished, diagnostics):
     if material.elasticity is None:
         diagnostics.missing(material.line, f"material {material.name}: it has no elastic law that could be converted")
     model.bodies.append(Body(name, material.elasticity, material.density, material.viscosity, material.poisson,
-                             bool(material.prony and material.elasticity) and not material.is_linear))
+                             bool(material.prony and material.elasticity) and not material.is_linear, law_note=material.law_note))

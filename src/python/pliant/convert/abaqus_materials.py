@@ -31,6 +31,7 @@ class Material:
     prony: list = dataclasses.field(default_factory=list)
     prony_line: int = 0
     expansion: list = dataclasses.field(default_factory=list)  # rows: coefficient, temperature
+    law_note: "tuple | None" = None  # (line, text) of a note about the law
     expansion_zero: float = 0.0
 
     @property
@@ -204,8 +205,8 @@ class AbaqusMaterials:
         """Turns the Prony series into branches: ratios of Abaqus refer to the modulus of fast motion, Pliant's to that at rest."""
         if material.is_linear and nonlinear and material.elasticity:
             material.elasticity["model"] = "saint-venant-kirchhoff"
-            self.diagnostics.note(material.line, f"material {material.name}: *ELASTIC with large displacements becomes saint-venant-kirchhoff, which is "
-                                  "CalculiX's law; Abaqus's differs at large strains, and neo-hookean is the better choice there")
+            material.law_note = (material.line, f"material {material.name}: *ELASTIC with large displacements becomes saint-venant-kirchhoff, which is "
+                                 "CalculiX's law; Abaqus's differs at large strains, and neo-hookean is the better choice there")
         if steps.kind == "static" and material.damping:
             self.diagnostics.note(material.damping_line, "*DAMPING acts in motion only, as in the model, and static steps are without it")
         else:

@@ -144,9 +144,10 @@ def input_of(model, mesh, system, mesh_file, diagnostics):
 
 
 def volumetric_of(model, element, diagnostics):
+    replace_laws(model, diagnostics)
     laws = {body.elasticity["model"] for body in model.bodies if body.elasticity}
     hard = any(body.poisson > NEARLY_INCOMPRESSIBLE for body in model.bodies)
-    needs_pressure = any(body.elasticity and (body.elasticity.get("incompressible") or body.shape_relaxes) for body in model.bodies)
+    needs_pressure = any(body.needs_pressure for body in model.bodies)
     if not hard and not needs_pressure:
         return "standard"
     if not laws & set(WITHOUT_PRESSURE) or needs_pressure:
@@ -155,6 +156,31 @@ def volumetric_of(model, element, diagnostics):
         return "mean-dilatation"
     diagnostics.note(None, "a body is nearly incompressible, and its linear tetrahedra will lock: use element: P2 with volumetric: mean-dilatation")
     return "standard"
+
+
+def replace_laws(model, diagnostics):
+    """Next to a body whose volume needs a pressure of its own, laws that cannot have one become others with the same constants."""
+    first = next((body for body in model.bodies if body.needs_pressure), None)
+    replaced = {}  # names of bodies, by their law in the model and the one that stands for it
+    for body in model.bodies:
+        if first and body.elasticity and body.elasticity["model"] in WITHOUT_PRESSURE:
+            # The volumetric part of neo-hookean is Lame's lambda, that of neo-hookean-isochoric the bulk modulus.
+            law = "neo-hookean" if body.elasticity["poissons_ratio"] > 0 else "neo-hookean-isochoric"
+            replaced.setdefault((body.elasticity["model"], law), []).append(body.elements)
+            body.elasticity = {**body.elasticity, "model": law}
+            body.viscosity = [shape_branch(branch) for branch in body.viscosity]
+        elif body.law_note:
+            diagnostics.note(*body.law_note)
+    for (law, other), names in replaced.items():
+        diagnostics.note(None, f"{', '.join(names)}: {other} with the same Young's modulus and Poisson's ratio stands for {law}, from which it differs at large strains: "
+                         f"{first.elements} needs volumetric: mixed, for which {law} has no separate volumetric part; changes of volume do not relax")
+
+
+def shape_branch(branch):
+    """A branch that relaxes the shape alone."""
+    if branch.get("model") != "maxwell":
+        return branch
+    return {"model": "prony", "ratio": branch["shear_ratio"], "relaxation_time": branch["relaxation_time"]}
 
 
 def head(model, diagnostics, system):

@@ -78,6 +78,12 @@ class Body:
     shape_relaxes: bool = False  # and its volume does not
     is_rigid: bool = False
     expansion: Any = None  # the stretch of a free body
+    law_note: "tuple | None" = None  # (line, text) of a note about the law
+
+    @property
+    def needs_pressure(self):
+        """Whether its volume needs a pressure of its own."""
+        return bool(self.elasticity and (self.elasticity.get("incompressible") or self.shape_relaxes))
 
 
 @dataclasses.dataclass
