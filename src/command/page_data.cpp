@@ -111,6 +111,7 @@ Json json_of(const PackedField& field, Page& page) {
 Json json_of(const PackedResult& result, Page& page) {
   Json json{{"bodies", result.body_names},
             {"unseen", result.unseen_bodies},
+            {"masses", result.masses},
             {"nodes", result.num_nodes},
             {"elements",
              {{"tetrahedra", result.elements.tetrahedra},

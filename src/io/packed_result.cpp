@@ -177,6 +177,7 @@ class Packer {
     scene.companions = Companions(result_, group);
     packed_.body_names = mesh.body_names;
     packed_.unseen_bodies = mesh.sections;
+    packed_.masses = mesh.masses;
     packed_.nodes_per_cell = mesh.nodes_per_cell;
     scenes_.push_back(std::move(scene));
     return scenes_.size() - 1;

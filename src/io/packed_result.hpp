@@ -43,6 +43,7 @@ struct PackedField {
 struct PackedResult {
   std::vector<std::string> body_names;
   std::vector<std::string> unseen_bodies;  ///< those of body_names that are not drawn
+  std::vector<std::string> masses;         ///< those that are drawn as ellipsoids of inertia
   std::size_t num_nodes = 0;               ///< of the last mesh
   ElementCounts elements;                  ///< likewise
   int nodes_per_cell = 4;

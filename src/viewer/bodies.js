@@ -68,6 +68,9 @@ export class Bodies {
     // Fibres are bodies without facets: the mechanisms show them.
     const seen = new Set(bodies.surfaces.flatMap((surface) => [...new Set(surface.bodies)]));
     bodies.isDrawn = bodies.names.map((name, i) => seen.has(i) && !result.unseen?.includes(name));
+    // Ellipsoids of inertia stand for no surface: next to bodies that have one, they are seen through and have no field.
+    bodies.isGhost = bodies.names.map((name) => Boolean(result.masses?.includes(name)));
+    if (bodies.isDrawn.every((isDrawn, i) => !isDrawn || bodies.isGhost[i])) bodies.isGhost.fill(false);
     const count = meshes.map(() => 0);
     bodies.rowOfFrame = frames.map((frame) => count[frame.mesh]++);
     bodies.values = new Map();
@@ -144,6 +147,11 @@ export class Bodies {
       parts.reduce((sum, [frame, weight]) => sum + weight * rows.value(this.rowOfFrame[frame], vertex), this.moves && field === 0 ? shift[k] : 0));
   }
 
+  /// How each is drawn at first.
+  get looks() {
+    return this.isGhost.map((isGhost) => (isGhost ? "transparent" : "solid"));
+  }
+
   /// Whether there are several bodies to choose from.
   get areSeveral() {
     return this.isDrawn.filter(Boolean).length > 1;
@@ -160,8 +168,9 @@ export class Bodies {
     const samples = [], frames = this.frames.length, some = Math.min(frames, 40);
     for (let k = 0; k < some; ++k) {
       const at = this.at(this.frames[some > 1 ? Math.round((k * (frames - 1)) / (some - 1)) : 0].time);
-      const values = new Float32Array(at.surface.size);
+      let values = new Float32Array(at.surface.size);
       this.scalars(at, field, component, values);
+      if (this.isGhost.includes(true)) values = values.filter((_, v) => !this.isGhost[at.surface.bodies[v]]);
       const sorted = values.filter((value) => value !== 0).sort(), cut = Math.floor(sorted.length / 1000);
       if (sorted.length > 0) samples.push(sorted[cut], sorted[sorted.length - 1 - cut]);
       if (sorted.length < values.length) samples.push(0);

@@ -52,7 +52,7 @@ export class Panel {
     place.append(this.check("Edges of elements", "edges"), this.check("Outline at the start", "outline"));
     if (this.flies()) place.append(this.check("Follow the bodies", "follow", () => view.aim(view.direction())));
     place.append(...arrowControls(view, () => this.legendAnew()), ...clipControls(view));
-    this.looks = { bodies: bodies.names.map(() => "solid"), obstacles: {}, mechanisms: {} };
+    this.looks = { bodies: bodies.looks, obstacles: {}, mechanisms: {} };
     const obstacles = view.obstacles?.names ?? [];
     for (const name of obstacles) this.looks.obstacles[name] = "transparent";
     if (bodies.areSeveral) {

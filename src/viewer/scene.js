@@ -41,8 +41,9 @@ function setNormals(normals, x, index) {
 
 /// A surface as the graphics card has it.
 class Drawn {
-  constructor(surface, materials) {
+  constructor(surface, materials, isGhost) {
     this.surface = surface;
+    this.isGhost = isGhost;
     const position = new BufferAttribute(new Float32Array(3 * surface.size), 3);
     const geometry = (index) => {
       const made = new BufferGeometry();
@@ -55,30 +56,35 @@ class Drawn {
     this.body.geometry.setAttribute("normal", new BufferAttribute(new Float32Array(3 * surface.size), 3));
     this.body.geometry.setAttribute("uv", new BufferAttribute(new Float32Array(2 * surface.size).fill(0.5), 2));
     this.clear = new Mesh(geometry([]), materials.clear);  // the transparent bodies, after all that is solid
-    for (const name of ["normal", "uv"]) this.clear.geometry.setAttribute(name, this.body.geometry.attributes[name]);
-    this.clear.renderOrder = 2;
+    this.ghosts = new Mesh(geometry([]), materials.ghost);
+    for (const object of [this.clear, this.ghosts]) {
+      for (const name of ["normal", "uv"]) object.geometry.setAttribute(name, this.body.geometry.attributes[name]);
+      object.renderOrder = 2;
+    }
     this.edges = new LineSegments(geometry(surface.elementEdges()), materials.edges);
     this.sharp = new LineSegments(geometry(surface.sharpEdges()), materials.sharp);
     const rest = new BufferGeometry();
     rest.setAttribute("position", new BufferAttribute(new Float32Array(3 * surface.size), 3));
     rest.setIndex(this.sharp.geometry.index);
     this.outline = new LineSegments(rest, materials.outline);
-    this.all = new Group().add(this.body, this.clear, this.edges, this.sharp, this.outline);
+    this.all = new Group().add(this.body, this.clear, this.ghosts, this.edges, this.sharp, this.outline);
     for (const object of this.all.children) object.frustumCulled = false;  // it moves
   }
 
-  /// `looks`: of each body, one of LOOKS. Transparent bodies have no edges of elements, only sharp ones.
+  /// `looks`: of each body, one of LOOKS; those of `isGhost` are plain where they are transparent. Transparent bodies have no edges of elements, only sharp ones.
   show(looks) {
     const { surface } = this;
+    const lookOf = (body) => (this.isGhost[body] && looks[body] === "transparent" ? "ghost" : looks[body]);
     const draw = (object, whole, size, drawn) => {
       const kept = [];
       for (let i = 0; i < whole.length; i += size) {
-        if (drawn.includes(looks[surface.bodies[whole[i]]])) for (let j = 0; j < size; ++j) kept.push(whole[i + j]);
+        if (drawn.includes(lookOf(surface.bodies[whole[i]]))) for (let j = 0; j < size; ++j) kept.push(whole[i + j]);
       }
       object.geometry.setIndex(new BufferAttribute(Uint32Array.from(kept), 1));
     };
     draw(this.body, surface.index, 3, ["solid"]);
     draw(this.clear, surface.index, 3, ["transparent"]);
+    draw(this.ghosts, surface.index, 3, ["ghost"]);
     draw(this.edges, surface.elementEdges(), 2, ["solid"]);
     draw(this.sharp, surface.sharpEdges(), 2, ["solid", "transparent"]);
     this.outline.geometry.setIndex(this.sharp.geometry.index);
@@ -110,15 +116,17 @@ export class View {
     this.materials = {
       body: new MeshStandardMaterial(surface),
       clear: new MeshStandardMaterial({ ...surface, transparent: true, opacity: TRANSPARENT, depthWrite: false }),
+      ghost: new MeshStandardMaterial({ ...surface, color: PLAIN, transparent: true, opacity: TRANSPARENT, depthWrite: false }),
       edges: new LineBasicMaterial({ transparent: true, opacity: 0.32 }),
       sharp: new LineBasicMaterial({ transparent: true, opacity: 0.35 }),
       outline: new LineBasicMaterial({ transparent: true, opacity: 0.5 }),
     };
     this.origin = this.centre();
-    this.drawn = bodies.surfaces.map((surface) => new Drawn(surface, this.materials));
+    this.drawn = bodies.surfaces.map((surface) => new Drawn(surface, this.materials, bodies.isGhost));
     for (const one of this.drawn) this.scene.add(one.all);
-    const { body, clear, edges, sharp } = this.materials;
-    this.clip = new Clip(this, this.drawn, [body, clear, edges, sharp]);
+    if (bodies.isGhost.includes(true)) for (const one of this.drawn) one.show(bodies.looks);
+    const { body, clear, ghost, edges, sharp } = this.materials;
+    this.clip = new Clip(this, this.drawn, [body, clear, ghost, edges, sharp]);
     this.arrows = new Arrows(this);
     this.obstacles = obstacles;
     if (obstacles) this.scene.add(obstacles.group);

@@ -80,7 +80,7 @@ export class Second {
     });
     this.after(first, "paint", (kind) => view.paint(first.options.field >= 0 && this.fieldOfOther(first.options.field) < 0 ? "none" : kind));
     this.after(first, "show", (looks) => {
-      const bodies = this.bodies.names.map((name) => looks.bodies[first.bodies.names.indexOf(name)] ?? "solid");
+      const bodies = this.bodies.names.map((name, i) => looks.bodies[first.bodies.names.indexOf(name)] ?? this.bodies.looks[i]);
       view.show({ ...looks, bodies });
     });
     // All of both is seen.

@@ -2,6 +2,7 @@
 """What users see of tendons, springs and joints: in results, from Python, in ParaView's files, on the page and in pictures."""
 import shutil
 import subprocess
+import types
 import unittest
 import xml.etree.ElementTree as ElementTree
 
@@ -12,6 +13,7 @@ from PIL import Image
 from browser import CHROMIUM, Browser
 from program import ENVIRONMENT, ROOT, ProgramTest, read_history, swept, write_box
 from package import Result, Surface
+from pliant.pictures.shown import Shown
 from report_file import ReportFile
 
 # A soft finger on a palm that a motor turns; a tendon with friction bends the finger, a bob hangs from the palm.
@@ -218,6 +220,8 @@ class MechanismViews(ProgramTest):
             captions = browser.evaluate("[...document.querySelectorAll('#plots figcaption')].map(c => c.textContent)")
             for caption in ("Tension of tendons [N]", "Force of springs [mN]", "Length of tendons and springs [mm]", "Angles of joints [rad]", "Torques of motors [mN m]"):
                 self.assertIn(caption, captions)
+            self.assertEqual(browser.evaluate("[0, 1, 2, 3].map(k => document.querySelector(`#body-${k}`).value)"), ["solid"] + 3 * ["transparent"])
+            self.assertEqual(browser.evaluate("['body', 'clear', 'ghosts'].map(k => pliant.view.drawn[0][k].geometry.index.count > 0)"), [True, False, True])
             draw = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
             browser.evaluate("pliant.panel.colour.value = 'none', pliant.panel.paint()")
             browser.evaluate(draw)
@@ -256,6 +260,20 @@ class MechanismViews(ProgramTest):
         red = [np.mean((p[..., 0] > p[..., 1] + 80) & (p[..., 0] > p[..., 2] + 50) & (p[..., 1] < 110)) for p in pictures]
         self.assertGreater(red[0], 5e-4)
         self.assertEqual(red[1], 0)
+        # Ellipsoids of inertia are seen through, have no colours of a field, and are no longer than half the mesh, here 0.1 m long.
+        frame = Result(self.directory / "out")[-1]
+        options = types.SimpleNamespace(field="displacement", range=None, colour_map="auto", scale=1, hide=[], transparent=["palm"], outline=False,
+                                        cut=None, mirror=[], view=[1, 0, 0])
+        shown = Shown(Result(self.directory / "out"), [frame], options)
+        drawn = [(shell.names, shell.opacity < 1, colours is None) for shell, colours in zip(shown.shells(frame), shown.colours_of(frame))]
+        self.assertEqual(drawn, [(["body"], False, False), (["palm", "bob", "clapper"], True, True)])
+        for number, radius in ((1, 0.025), (2, np.sqrt(5e-6 / 0.02))):
+            surface = Surface(frame.mesh, cells=np.nonzero(frame.mesh.body == number)[0])
+            points = surface.of_nodes(frame.mesh.coordinates)
+            np.testing.assert_allclose(np.linalg.norm(points - points.mean(axis=0), axis=1), radius, rtol=2e-2)
+        options.hide, options.transparent = ["body"], []
+        shown = Shown(Result(self.directory / "out"), [frame], options)
+        self.assertEqual([shell.opacity for shell in shown.shells(frame)], [1])
 
     @unittest.skipUnless(shutil.which("pvpython"), "pvpython is not installed; Debian's package python3-paraview has it")
     def test_paraview_reads_them(self):

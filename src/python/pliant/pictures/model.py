@@ -79,7 +79,7 @@ class Model:
 
     def _bodies(self, frames, coloured):
         mesh, options, shown = frames[0].mesh, self._options, self._shown
-        bodies = []
+        bodies, ghosts = [], shown.ghosts(mesh)
         for number, name in enumerate(mesh.body_names):
             if name in options.hide:
                 continue
@@ -90,7 +90,7 @@ class Model:
             if mesh.cells.shape[1] == 10 and len(surface.cell_of_face) < MOST_FINE_FACES:
                 surface = Surface(mesh, 2, cells=cells)
             of_triangle, of_point = None, None
-            if shown.quantity is not None and not shown.is_of_lines:
+            if shown.quantity is not None and not shown.is_of_lines and name not in ghosts:
                 values = shown.quantity.at_points(coloured, surface)
                 if shown.is_by_face:
                     of_triangle = values[surface.face_of_triangle]
@@ -103,7 +103,7 @@ class Model:
             else:
                 of_vertex = None if of_point is None else of_point[source]
             part = Part(name, triangles, np.empty((len(frames), len(source), 3), np.float32), None if of_vertex is None else shown.colours(of_vertex),
-                        PLAIN_BODY, TRANSPARENT if name in options.transparent else 1.0)
+                        PLAIN_BODY, TRANSPARENT if name in (*options.transparent, *ghosts) else 1.0)
             bodies.append((part, surface, source))
         for i, frame in enumerate(frames):
             displacement = frame.displacement()

@@ -25,6 +25,7 @@ class Shell:
     surface: "Surface | CutSurface"
     opacity: float
     names: "list[str]"  # of the bodies
+    is_ghost: bool = False  # of ellipsoids of inertia, which have no colours of a field
     mirrors: "tuple[Plane, ...]" = ()  # at which it is reflected, one after another
 
     @property
@@ -169,20 +170,26 @@ class Shown:
                     raise PliantError(f"--{option} {name}: there is no body or obstacle of this name; there are {', '.join(names) or 'none'}")
 
     def shells(self, frame):
-        """The outside of the bodies that are neither hidden nor transparent, as one; then each transparent body."""
+        """The outside of the bodies that are neither hidden nor transparent, as one; then each transparent body, and all ghosts."""
         if frame.mesh_group not in self._shells_of_mesh:
             mesh, options = frame.mesh, self._options
             hidden, transparent = (np.array([name in names for name in mesh.body_names]) for names in (options.hide, options.transparent))
             hidden |= ~np.isin(mesh.body_names, mesh.bodies_with_surface)
-            parts = [(~hidden & ~transparent, 1.0)]
-            parts += [(np.arange(len(hidden)) == k, TRANSPARENT) for k in np.nonzero(transparent & ~hidden)[0]]
+            ghost = np.isin(mesh.body_names, self.ghosts(mesh))
+            parts = [(~hidden & ~transparent & ~ghost, 1.0, False)]
+            parts += [(np.arange(len(hidden)) == k, TRANSPARENT, False) for k in np.nonzero(transparent & ~hidden & ~ghost)[0]]
+            parts.append((ghost & ~hidden, TRANSPARENT, True))
             shells = []
-            for of_body, opacity in parts:
+            for of_body, opacity, is_ghost in parts:
                 cells = np.nonzero(of_body[mesh.body])[0]
                 names = [name for name, is_in in zip(mesh.body_names, of_body) if is_in]
                 if len(cells) > 0:
                     surface = Surface(mesh, cells=cells)
-                    shells.append(Shell(surface if options.cut is None else self._cut_open(surface, mesh, cells), opacity, names))
+                    kept = surface if options.cut is None else self._cut_open(surface, mesh, cells)
+                    if len(kept.triangles) > 0:
+                        shells.append(Shell(kept, opacity, names, is_ghost))
+                    elif not is_ghost:
+                        raise PliantError("--cut: nothing of a body is left; its plane lies behind all of it, seen by the viewer")
             for plane in options.mirror:
                 shells += [dataclasses.replace(shell, mirrors=(*shell.mirrors, plane)) for shell in shells]
             self._shells_of_mesh[frame.mesh_group] = shells
@@ -198,10 +205,12 @@ class Shown:
                 offset = (along.min() + along.max()) / 2
             sign = -1.0 if plane.normal @ toward_viewer < 0 else 1.0
             self._cut = Plane(sign * plane.normal, sign * offset)
-        found = CutSurface(surface, mesh, cells, self._cut)
-        if len(found.triangles) == 0:
-            raise PliantError("--cut: nothing of a body is left; its plane lies behind all of it, seen by the viewer")
-        return found
+        return CutSurface(surface, mesh, cells, self._cut)
+
+    def ghosts(self, mesh):
+        """Names of bodies without a surface: the ellipsoids of their inertia are seen through, unless nothing else is shown."""
+        others = set(mesh.bodies_with_surface) - {*mesh.masses, *self._options.hide}
+        return mesh.masses if others else []
 
     @staticmethod
     def reference(shell, frame):
@@ -272,8 +281,8 @@ class Shown:
         return points
 
     def _values(self, frame):
-        """Of each shell."""
-        return [shell.sign(self.quantity.axes) * self.quantity.at_points(frame, shell.surface) for shell in self.shells(frame)]
+        """Of each shell; None for ghosts."""
+        return [None if shell.is_ghost else shell.sign(self.quantity.axes) * self.quantity.at_points(frame, shell.surface) for shell in self.shells(frame)]
 
     @property
     def is_by_face(self):
@@ -285,9 +294,9 @@ class Shown:
         shells = self.shells(frame)
         if self.quantity is None or self.is_of_lines:
             return [None] * len(shells)
-        colours = [self.colours(values) for values in self._values(frame)]
+        colours = [None if values is None else self.colours(values) for values in self._values(frame)]
         if self.is_by_face:
-            colours = [of_faces[shell.surface.face_of_triangle] for of_faces, shell in zip(colours, shells)]
+            colours = [None if of_faces is None else of_faces[shell.surface.face_of_triangle] for of_faces, shell in zip(colours, shells)]
         return colours
 
     def _colour_scale(self):
@@ -313,7 +322,7 @@ class Shown:
             return tensions_of(frame.mechanisms)
         if self.by_rods:
             return self._rod_values(frame)
-        return _extent(np.concatenate([np.zeros(0), *self._values(frame)]))
+        return _extent(np.concatenate([np.zeros(0), *(values for values in self._values(frame) if values is not None)]))
 
 
 def _some(frames, at_most):
