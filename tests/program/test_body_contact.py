@@ -476,7 +476,7 @@ time: {{method: static, load_steps: 4}}
                  "'floor' with 'base' are parts of one body, and contact of a body with itself needs 'law: barrier'"),
                 ("none", {"contact": "law: barrier"}, "at least one of pairs, obstacles is needed"),
                 ("excluded", {"contact": "law: barrier, exclude: [[base, block]]"}, "'exclude' can only be given with 'pairs'"),
-                ("unknown", {"contact": "law: barrier, pairs: [{surface: blok}]"}, "no surface 'blok' in the mesh"),
+                ("unknown", {"contact": "law: barrier, pairs: [{surface: blok}]"}, "no volume, surface or rigid body 'blok'"),
                 ("method", {"time": "method: implicit-midpoint, step: 1 ms, end: 0.01"}, "stiffly accurate"),
                 ("repeated", {"contact": "law: barrier, pairs: [{surface: base, with: block}, {surface: block, with: base}]"},
                  "contact.pairs[1] repeats contact.pairs[0]"),

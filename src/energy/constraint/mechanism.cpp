@@ -152,7 +152,7 @@ Mechanism::Vector Mechanism::nearest_of_parts(Vec q) const {
 }
 
 void Mechanism::begin_stage(const StagePoint& stage, Vec q) {
-  forget_solutions();
+  solution_ = {};
   violation_.resize(0);
   lag_ = 0.0;
   for (const auto& part : parts_) part->begin_stage(stage, q);
@@ -194,7 +194,7 @@ void Mechanism::begin_stage(const StagePoint& stage, Vec q) {
 }
 
 void Mechanism::begin_end_of_step(Vec q) {
-  forget_solutions();
+  solution_ = {};
   violation_.resize(0);
   lag_ = 0.0;
   for (const auto& part : parts_) part->begin_end_of_step(q);
@@ -204,7 +204,7 @@ void Mechanism::begin_end_of_step(Vec q) {
   joints_.configuration(motions(reference_), Along::columns, given_, g, G_ref_);
   choose_columns();
   // The configuration fulfils the equations, of whatever time.
-  Solution& solution = solutions_[last_];
+  Solution& solution = solution_;
   solution.unknowns.assign(hosts_.size(), 0.0);
   solution.xi = reference_;
   solution.parts = motions(reference_);
@@ -213,19 +213,14 @@ void Mechanism::begin_end_of_step(Vec q) {
 }
 
 const Mechanism::Solution& Mechanism::at(std::span<const double> unknowns) const {
-  for (const std::size_t k : {last_, 1 - last_}) {
-    if (solutions_[k].xi.size() == 0 || !std::ranges::equal(solutions_[k].unknowns, unknowns)) continue;
-    last_ = k;
-    return solutions_[k];
-  }
-  const Solution& before = solutions_[last_];
-  last_ = 1 - last_;
-  Solution& solution = solutions_[last_];
+  Solution& solution = solution_;
+  if (solution.xi.size() > 0 && std::ranges::equal(solution.unknowns, unknowns)) return solution;
   const auto size = static_cast<Eigen::Index>(unknowns.size());
   const Eigen::Map<const Vector> y(unknowns.data(), size);
-  if (before.xi.size() > 0 && before.xi.allFinite()) {
+  if (solution.xi.size() > 0 && solution.xi.allFinite()) {
     // From the last solution along its tangent.
-    solution.xi = before.xi + before.columns * (y - Eigen::Map<const Vector>(before.unknowns.data(), size));
+    const Eigen::Map<const Vector> before(solution.unknowns.data(), size);
+    solution.xi += solution.columns * (y - before);
   } else {
     solution.xi = reference_ + columns_ * y;
   }
@@ -398,6 +393,10 @@ std::vector<const RigidPart*> Mechanism::parts() const {
     if (!is_symmetric()) result.push_back(part.get());
   }
   return result;
+}
+
+std::vector<BodyMotion<double>> Mechanism::allowed_velocities(std::size_t part) const {
+  return at(std::vector<double>(hosts_.size(), 0.0)).motions[part];
 }
 
 void Mechanism::subtract_given(Vec v) const {

@@ -6,7 +6,6 @@
 #include "energy/rigid/joint_system.hpp"
 
 #include <algorithm>
-#include <array>
 #include <eigen3/Eigen/Core>
 #include <eigen3/Eigen/LU>
 #include <memory>
@@ -131,9 +130,7 @@ class Mechanism final : public DependentNodes {
   bool approach(Vector& xi) const;
   /// Newton's method for h(start + D G_ref^T z) = 0, with the motions and G at its end; false: it does not converge.
   bool solve(Vector& xi, std::vector<PartMotion>& parts, Matrix& G) const;
-  /// Until the one after the next.
   const Solution& at(std::span<const double> unknowns) const;
-  void forget_solutions();
   /// The motions of the parts by the mechanism's unknowns, from those by the parts' own.
   void combine(Solution& solution) const;
   /// States of the parts, nearest to q and v.
@@ -163,10 +160,9 @@ class Mechanism final : public DependentNodes {
   Vector violation_;  // h at the accepted state; empty: unknown
   double lag_ = 0.0;  // the part of it that is to be left: 1 - the fraction of what is prescribed
   Vector reference_;
-  Matrix columns_, G_ref_, across_;            // across_: D G_ref^T
-  Matrix coordinates_;                         // y = coordinates_ (xi - xi_ref): of N the inverse, of `across_` zero
-  mutable std::array<Solution, 2> solutions_;  // searches compare their guess with where a stage starts
-  mutable std::size_t last_ = 0;
+  Matrix columns_, G_ref_, across_;  // across_: D G_ref^T
+  Matrix coordinates_;               // y = coordinates_ (xi - xi_ref): of N the inverse, of `across_` zero
+  mutable Solution solution_;
 };
 
 }  // namespace pliant

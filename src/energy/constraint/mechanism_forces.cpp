@@ -28,14 +28,10 @@ void Mechanism::evaluate_all(const std::vector<PartMotion>& parts, Vector& h, Ma
   joints_.configuration(ends, Along::columns, given_, h, G);
 }
 
-void Mechanism::forget_solutions() {
-  for (Solution& solution : solutions_) solution = {};
-}
-
 // From h at the accepted state to 0, at whatever level the equations are.
 void Mechanism::set_prescribed_fraction(double fraction) {
   if (violation_.size() == 0) return;
-  forget_solutions();
+  solution_ = {};
   for (const auto& part : parts_) part->set_prescribed_fraction(fraction);
   lag_ = 1.0 - fraction;
 }
@@ -73,10 +69,6 @@ std::vector<double> Mechanism::curvature(std::span<const double> unknowns, Vec f
     for (Eigen::Index l = 0; l < result.cols(); ++l) rows.push_back(result(k, l));
   }
   return rows;
-}
-
-std::vector<BodyMotion<double>> Mechanism::allowed_velocities(std::size_t part) const {
-  return at(std::vector<double>(hosts_.size(), 0.0)).motions[part];
 }
 
 void Mechanism::refreeze(std::span<const double> unknowns, Vec r) {
