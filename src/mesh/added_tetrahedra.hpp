@@ -8,7 +8,7 @@
 namespace pliant {
 
 /// Appends each tetrahedron as a volume of its own; cut into 8 where the mesh has no other cell, so that several ranks
-/// have some, and no longer than about half the largest side of the mesh.
+/// have some.
 /// Throws MeshDefect if the mesh has a volume of one of these names. Not collective.
 void add_tetrahedra(std::span<const AddedTetrahedron> added, SerialMesh& mesh);
 
