@@ -12,7 +12,7 @@ from PIL import Image
 
 from browser import CHROMIUM, Browser
 from program import ENVIRONMENT, ROOT, ProgramTest, read_history, swept, write_box
-from package import Result
+from package import Result, Surface
 from pliant.pictures.shown import Shown
 from report_file import ReportFile
 

@@ -233,16 +233,11 @@ const Mechanism::Solution& Mechanism::at(std::span<const double> unknowns) const
   }
   solution.columns = solution.test_columns = columns_;
   if (!joints_.empty()) {
+    Vector g;
+    solution.columns -= across_ * Matrix(G * across_).partialPivLu().solve(G * columns_);
+    joints_.configuration(solution.parts, Along::test_columns, given_, g, G);
     solution.test.compute(G * across_);
-    solution.columns -= across_ * solution.test.solve(G * columns_);
-    if (is_symmetric()) {
-      solution.test_columns = solution.columns;
-    } else {
-      Vector g;
-      joints_.configuration(solution.parts, Along::test_columns, given_, g, G);
-      solution.test.compute(G * across_);
-      solution.test_columns -= across_ * solution.test.solve(G * columns_);
-    }
+    solution.test_columns -= across_ * solution.test.solve(G * columns_);
   }
   combine(solution);
   return solution;
@@ -281,11 +276,8 @@ void Mechanism::combine(Solution& solution) const {
   solution.virtual_motions.clear();
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     solution.motions.push_back(combined(p, solution.columns, solution.parts[p].columns));
-    if (!is_symmetric()) {
-      solution.virtual_motions.push_back(combined(p, solution.test_columns, solution.parts[p].test_columns));
-    }
+    solution.virtual_motions.push_back(combined(p, solution.test_columns, solution.parts[p].test_columns));
   }
-  if (is_symmetric()) solution.virtual_motions = solution.motions;
 }
 
 double Mechanism::largest_rotation(const Vector& xi) const {
