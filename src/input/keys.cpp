@@ -134,8 +134,7 @@ Section<NewtonConfig> newton_keys() {
             "converged when the residual is below this")
           .otherwise("0"),
       field("max_iterations", &NewtonConfig::max_iterations, integer(Range::from_to(1, 1e6)),
-            "number of iterations after which a solve fails; where bodies meet it may take four times as many, and a "
-            "step has a solve for each stage and each pass of friction")
+            "number of iterations after which a solve fails")
           .otherwise("50"),
   }};
 }
