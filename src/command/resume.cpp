@@ -119,10 +119,7 @@ std::vector<fs::path> candidates(const fs::path& place) {
     }
     return files;
   }
-  if (place.extension() == ".yaml" && fs::exists(place, ignored)) {
-    throw FileError(fmt::format("'{}' is an input, not a checkpoint: give the directory of its results, such as out/{}",
-                                place.string(), place.stem().string()));
-  }
+  refuse_input(place, "checkpoint");
   if (!fs::exists(place, ignored)) {
     throw FileError(fmt::format("there is no file '{}'{}", place.string(), similar_file(place)));
   }

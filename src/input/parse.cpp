@@ -282,8 +282,10 @@ std::optional<std::size_t> unclosed_bracket(const std::string& text) {
     if (c == '#' && follows_blank) {
       at = std::min(text.find('\n', at), text.size()) - 1;
     } else if ((c == '"' || c == '\'') && begins) {
-      for (++at; at < text.size() && text[at] != c; ++at) {
-        if (c == '"' && text[at] == '\\') ++at;
+      for (++at; at < text.size(); ++at) {
+        const bool is_doubled = c == '\'' && text[at] == c && text.substr(at + 1, 1) == "'";  // a quote in the text
+        if (text[at] == c && !is_doubled) break;
+        if (is_doubled || (c == '"' && text[at] == '\\')) ++at;
       }
       if (at >= text.size()) return {};
       begins = false;

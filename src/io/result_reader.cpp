@@ -77,7 +77,16 @@ ResultFrame frame_of(hid_t frames, const std::string& name) {
 
 }  // namespace
 
+void refuse_input(const std::filesystem::path& place, std::string_view wanted) {
+  std::error_code ignored;
+  const bool is_input = place.extension() == ".yaml" || place.extension() == ".yml";
+  if (!is_input || !std::filesystem::is_regular_file(place, ignored)) return;
+  throw FileError(fmt::format("'{}' is an input, not a {}: give the directory of its results, such as out/{}",
+                              place.string(), wanted, place.stem().string()));
+}
+
 std::filesystem::path result_file(const std::filesystem::path& place) {
+  refuse_input(place, "result");
   std::error_code ignored;
   std::filesystem::path file = place;
   if (std::filesystem::is_directory(place, ignored)) {

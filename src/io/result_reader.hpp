@@ -33,6 +33,9 @@ struct ResultField {
   int components = 1;
 };
 
+/// FileError if `place` is the input of a run, where one of its results or checkpoints (`wanted`) is meant.
+void refuse_input(const std::filesystem::path& place, std::string_view wanted);
+
 /// Finds the numbers of a result: `place` is its directory, its result.h5 or its result.xdmf. FileError if there are
 /// none.
 std::filesystem::path result_file(const std::filesystem::path& place);

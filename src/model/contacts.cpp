@@ -227,9 +227,10 @@ void Contacts::check_start(const Instant& at, std::span<const double> q) const {
     const ObstacleConfig& o = config_.obstacles[obstacle];
     const double gap = start_gap(layout_.comm, *surfaces_[body], obstacles_[obstacle]->at(at), q).gap;
     throw InputError(
-        o.where, fmt::format("'{}' touches or overlaps the obstacle '{}' at the start (gap {:.3g} m), which a barrier "
-                             "does not allow; leave a gap, if only of {:.1g} m, or use 'law: penalty'",
-                             body_names_[body], o.name, gap, 0.02 * facet_sizes_[body]));
+        o.where,
+        fmt::format("'{}' touches or overlaps the obstacle '{}' at the start (gap {:.3g} m), which a barrier "
+                    "does not allow; leave a gap (from {:.2g} m on, the barrier does not push), or use 'law: penalty'",
+                    body_names_[body], o.name, gap, surfaces_[body]->law().reach()));
   }
   if (between_) between_->check_start(q);
 }

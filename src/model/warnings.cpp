@@ -100,12 +100,17 @@ bool is_without_units(double density, double shear_modulus) {
   return density == 1.0 && shear_modulus < softest_solid;
 }
 
-void check_body(const Config& config, const BodyConfig& body, Warnings& warnings) {
-  if (body.is_rigid && body.density) check_density(*body.density, body.where, warnings);
-  if (!body.elasticity) return;
+/// The moduli at rest of a body that has the same everywhere.
+std::optional<Lame> moduli_at_rest(const BodyConfig& body) {
+  if (!body.elasticity) return std::nullopt;
   const ElasticityRule rule(*body.elasticity);
-  if (!rule.is_uniform()) return;
-  const auto rest = rule.law_at(0, {}).at_rest();
+  return rule.is_uniform() ? rule.law_at(0, {}).at_rest() : std::nullopt;
+}
+
+/// Warns of constants that are probably not in SI units.
+void check_units(const BodyConfig& body, Warnings& warnings) {
+  if (body.is_rigid && body.density) check_density(*body.density, body.where, warnings);
+  const auto rest = moduli_at_rest(body);
   if (!rest) return;
   const auto add = [&](const std::string& text) { warnings.add(body.elasticity->where, text); };
   const double speed = std::sqrt(rest->mu / body.density.value_or(rest->mu));
@@ -132,6 +137,13 @@ void check_body(const Config& config, const BodyConfig& body, Warnings& warnings
                       rest->mu));
     }
   }
+}
+
+void check_body(const Config& config, const BodyConfig& body, Warnings& warnings) {
+  check_units(body, warnings);
+  const auto rest = moduli_at_rest(body);
+  if (!rest) return;
+  const auto add = [&](const std::string& text) { warnings.add(body.elasticity->where, text); };
   const double ratio = poissons_ratio(*rest);
   const auto is_ratio = [](const GivenConstant& c) { return c.key == "poissons_ratio"; };
   if (ratio < 0.0 && std::ranges::none_of(body.elasticity->constants, is_ratio)) {
@@ -242,6 +254,12 @@ void check_rods(const Config& config, Warnings& warnings) {
 }
 
 }  // namespace
+
+std::vector<Diagnostic> warnings_about_units(const Config& config) {
+  Warnings warnings;
+  for (const BodyConfig& body : config.bodies) check_units(body, warnings);
+  return std::move(warnings).found();
+}
 
 std::vector<Diagnostic> warnings_about(const Config& config) {
   Warnings warnings(config.warnings);

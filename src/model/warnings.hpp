@@ -10,6 +10,9 @@
 
 namespace pliant {
 
+/// Those of `warnings_about` that doubt that densities and moduli of bodies are in SI units.
+std::vector<Diagnostic> warnings_about_units(const Config& config);
+
 /// Warnings that need only the input, including those about its text.
 std::vector<Diagnostic> warnings_about(const Config& config);
 

@@ -102,13 +102,6 @@ void Hdf5Handle::close(const std::string& doing) {
   if (id >= 0) check_hdf5(closer_(id), doing);
 }
 
-/// What to give instead of the input of a run; empty for other files.
-static std::string hint_at_input(const std::filesystem::path& file) {
-  const auto extension = file.extension();
-  if (extension != ".yaml" && extension != ".yml") return "";
-  return ", but an input: give the directory of its results, such as out/" + file.stem().string();
-}
-
 Hdf5Handle open_hdf5(const std::filesystem::path& file, Hdf5Mode mode, std::int64_t user_block) {
   const std::string doing = (mode == Hdf5Mode::create ? "create '" : "open '") + file.string() + "'";
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, doing);
@@ -116,7 +109,7 @@ Hdf5Handle open_hdf5(const std::filesystem::path& file, Hdf5Mode mode, std::int6
   const std::string path = file.string();
   switch (mode) {
     case Hdf5Mode::read:
-      if (H5Fis_hdf5(path.c_str()) == 0) throw FileError("'" + path + "' is not an HDF5 file" + hint_at_input(file));
+      if (H5Fis_hdf5(path.c_str()) == 0) throw FileError("'" + path + "' is not an HDF5 file");
       return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose, doing};
     case Hdf5Mode::modify:
       return {H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get()), H5Fclose, doing};

@@ -3,6 +3,7 @@
 #include "base/file.hpp"
 #include "fem/deformed_cell.hpp"
 #include "input/loads.hpp"
+#include "model/warnings.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
@@ -162,21 +163,6 @@ std::vector<ReportedBody> bodies(const Model& model, const Picture& picture) {
   return result;
 }
 
-/// The first warning about constants that are probably not in SI units, with its place; empty without any.
-std::string doubt_about_units(const Config& config, const Model& model) {
-  constexpr std::string_view of_units = "umber without a unit";
-  for (const Diagnostic& diagnostic : model.diagnostics()) {
-    const std::string place = to_string(diagnostic.where);
-    const auto is_of_it = [&](const BodyConfig& body) {
-      return (body.elasticity && to_string(body.elasticity->where) == place) || to_string(body.where) == place;
-    };
-    if (diagnostic.severity != Severity::warning || std::ranges::none_of(config.bodies, is_of_it)) continue;
-    if (diagnostic.message.find(of_units) == std::string::npos) continue;
-    return place + ": " + diagnostic.message;
-  }
-  return "";
-}
-
 std::string where_to_look(const fs::path& directory, const FailureReport& report) {
   const ReportedCell& cell = report.worst_cells.front();
   return fmt::format(
@@ -211,7 +197,8 @@ std::string write_post_mortem(const Config& config, const Model& model, const St
   const auto sudden = analysis_of(config) == Analysis::quasistatic ? load_at_once(config) : std::nullopt;
   if (sudden && last_good.step == 0) report.load_at_once = to_string(*sudden);
   report.has_barriers = config.contact && config.contact->has_barrier();
-  report.doubt_about_units = doubt_about_units(config, model);
+  const auto of_units = warnings_about_units(config);
+  if (!of_units.empty()) report.doubt_about_units = to_string(of_units.front());
   report.shorter_steps = is_static              ? "more load_steps"
                          : config.time.adaptive ? "a smaller time.step or time.adaptive.min_step"
                                                 : "a smaller time.step or time.min_step";

@@ -406,6 +406,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Bad{6, "title: @*sin(t)", "a formula that begins with '*' needs quotes"},
                       Bad{6, "probes:\n  - @{name: a, point: [0, 0, \"x]\"]\n  - {name: b}", "the '{' is not closed"},
                       Bad{6, "probes: [{name: it's, point: @[0, 0, 0}]  # ]", "the '[' is not closed"},
+                      Bad{6, "probes: [{name: 'it''s [x', point: @[0, 0, 0}]", "the '[' is not closed"},
                       Bad{6, "title: a [Pa\nprobes: [[a], b: {c: 1}@: d]", "not valid YAML"},
                       Bad{6, "title: @]", "this bracket was never opened"},
                       Bad{6, "@---\ntitle: second", "the input ends before this line"},
