@@ -38,6 +38,14 @@ FactorPolicy::Solver solver_of(KSP ksp) {
   return is_of_type(ksp, KSPPREONLY) ? FactorPolicy::Solver::direct : FactorPolicy::Solver::iterative;
 }
 
+/// Whether the last solve met a preconditioner that is far from the inverse of its matrix, as a factor in single
+/// precision is along directions that are softer than its rounding errors.
+bool is_inverse_wrong(KSP ksp) {
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  check(KSPGetConvergedReason(ksp, &reason));
+  return reason == KSP_DIVERGED_DTOL || reason == KSP_DIVERGED_INDEFINITE_PC || reason == KSP_DIVERGED_BREAKDOWN;
+}
+
 Handle<PC> shared_preconditioner(KSP ksp) {
   PC pc = nullptr;
   check(KSPGetPC(ksp, &pc));
@@ -295,7 +303,10 @@ FactorPolicy::Factored LinearSystem::what_is_factored() const {
 }
 
 void LinearSystem::improve_poor_factor(Vec q, Vec r, Vec y) {
-  const auto is_poor = [&] { return FactorPolicy::is_poor(last_solve(), whose_factor(), what_is_factored()); };
+  const auto is_poor = [&] {
+    if (FactorPolicy::is_poor(last_solve(), whose_factor(), what_is_factored())) return true;
+    return !escalation_.has_kept_factor() && !factor_.has_failed() && is_inverse_wrong(ksp_);
+  };
   while (is_poor() && refine_factorization(preconditioner_.get())) {
     if (!factorize_definite(q)) return;
     solve(r, y);
