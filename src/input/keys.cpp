@@ -134,7 +134,8 @@ Section<NewtonConfig> newton_keys() {
             "converged when the residual is below this")
           .otherwise("0"),
       field("max_iterations", &NewtonConfig::max_iterations, integer(Range::from_to(1, 1e6)),
-            "number of iterations after which a solve fails")
+            "number of iterations after which a solve fails; where bodies meet it may take four times as many, and a "
+            "step has a solve for each stage and each pass of friction")
           .otherwise("50"),
   }};
 }

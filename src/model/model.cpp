@@ -9,6 +9,7 @@
 #include "model/checks.hpp"
 #include "model/elastic_parts.hpp"
 #include "model/events.hpp"
+#include "model/free_rotation.hpp"
 #include "model/initial_displacement.hpp"
 #include "model/joint_efforts.hpp"
 #include "model/joints_at_start.hpp"
@@ -306,6 +307,9 @@ void Model::find_components(const Config& config, Selections& selections) {
   for (const auto& nodes : links) join(components_, layout_, nodes);
   components_.is_left_out = cells_without_mesh(config, body_of_cell_);
   if (const auto found = check_support(config, layout_, components_, held, selections)) include({*found});
+  if (constraints_->map() != nullptr) return;  // which may hold a body, too
+  const auto& prescribed = constraints_->prescribed();
+  if (const auto found = note_about_free_rotation(config, layout_, components_, prescribed.flags())) include({*found});
 }
 
 void Model::check_overlap(const Config& config) {

@@ -66,6 +66,7 @@ class Run {
     for (const auto& line : simulation_->description()) console.print(line);
     std::optional<Recorded> earlier;
     if (from != nullptr) {
+      since_ = " since the run was resumed";
       checkpoints_.restore(from->file, from->info, [&](Archive& archive) { keep(archive); });
       earlier = {record().step, last_frame_};
       last_row_ = record().step;
@@ -319,11 +320,11 @@ class Run {
                                steps.accepted, steps.shortest, steps.longest, is_static() ? "" : " s", steps.failed,
                                steps.inaccurate));
     console_.print(fmt::format(
-        "newton: {} iterations in {} stages, {} of them minimised, {} solved on the residual; {} factorizations, {} "
+        "newton: {} iterations in {} stages{}, {} of them minimised, {} solved on the residual; {} factorizations, {} "
         "linear iterations, {} step lengths rejected, {} steps capped before inversion, {} Hessians projected, {} "
         "shifted, {} stages ended at rounding errors",
-        s.newton_iterations, s.stages, s.minimisations, s.residual_solves, s.factorizations, s.linear_iterations,
-        s.backtracks, s.capped_steps, s.projections, s.regularizations, s.rounding_stops));
+        s.newton_iterations, s.stages, since_, s.minimisations, s.residual_solves, s.factorizations,
+        s.linear_iterations, s.backtracks, s.capped_steps, s.projections, s.regularizations, s.rounding_stops));
     if (worst_.newton_iterations >= 0) {
       console_.print(fmt::format("worst step: {} at {} = {:.6g} with {} Newton iterations", worst_.step, variable(),
                                  worst_.time, worst_.newton_iterations));
@@ -406,6 +407,7 @@ class Run {
   }
 
   Clock::time_point start_ = Clock::now();
+  std::string_view since_;  // when the statistics count, in words
   MPI_Comm comm_;
   const Config& config_;
   Console& console_;

@@ -137,11 +137,18 @@ class Study {
       std::optional<Sample> sample;
       SampledState coarser;  // at the points of the sample
       Row row;
+      long long num_coarser = 0;
       for (int level = 0; level <= options_.levels; ++level) {
         Config finer = config;
         finer.mesh.refine += level;
         Model model(comm_, finer);
         Row next = row_of(finer, level, finer.time.step, mesh_size(model.mesh_report()));
+        if (level > 0) {
+          const auto factor = static_cast<double>(model.mesh_report().num_cells) / static_cast<double>(num_coarser);
+          console_.print(fmt::format("level {}: {}, {:.3g} times those of level {}", level,
+                                     in_words(model.mesh_report().elements), factor, level - 1));
+        }
+        num_coarser = model.mesh_report().num_cells;
         const LevelRun solution = solve(finer, model, next);
         console_.print(fmt::format("level {} is solved: {}, {} Newton iterations, {:.3g} s", level,
                                    in_words(model.mesh_report().elements), solution.newton_iterations,

@@ -278,6 +278,28 @@ solver: {newton: {max_iterations: 10}}
                         ends = [end(f"{{petsc: {method}}}", 0.1 / 10, ranks) for ranks in (1, 2)]
                         np.testing.assert_allclose(*ends, rtol=1e-9)
 
+    def test_bodies_that_can_turn_get_a_note(self):
+        write_box(self.directory / "cube.msh", (2, 2, 2))
+        base = f"mesh: {{file: cube.msh}}\nbodies: [{{density: 1000, {LAW}}}]\nconstraints:\n"
+
+        def told(constraints, method="static", ranks=1):
+            time = "{method: static}" if method == "static" else f"{{method: {method}, step: 0.1, end: 0.1}}"
+            self.write("in.yaml", base + "".join(f"  - {c}\n" for c in constraints) + f"time: {time}\n")
+            done = self.pliant("check", "in.yaml", ranks=ranks)
+            return done.stdout + done.stderr
+
+        edge, corner = "{where: x + z < 1e-9, displacement: [0, 0, 0]}", "{where: x + y + z < 1e-9, displacement: [0, 0, 0]}"
+        line = r"the body free to rotate about the line through \(0, 0.5, 0\) m along \(0, 1, 0\)"
+        for ranks in (1, 2):
+            self.assertRegex(told([edge], ranks=ranks), line)
+        self.assertRegex(told([corner, "{where: y > 0.9 && x + z < 1e-9, displacement: [0, free, 0]}"], "quasistatic"), line)
+        self.assertIn("free to rotate about the point (0, 0, 0) m", told([corner]))
+        slanted = "{where: abs(x - z) < 1e-9, displacement: [0, free, 0]}"
+        planes = [f"{{surface: {side}, symmetry: plane}}" for side in ("left", "front", "bottom")]
+        for held in ([edge, "{where: x + y > 1.9 && z < 0.1, displacement: [free, free, 0]}"], planes, [corner, slanted]):
+            self.assertNotIn("free to rotate", told(held))
+        self.assertNotIn("free to rotate", told([edge], "bdf2"))
+
     def test_mistakes_against_the_mesh(self):
         write_box(self.directory / "cube.msh", (2, 3, 2))
         bent = box((2, 3, 2))

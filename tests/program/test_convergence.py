@@ -139,6 +139,7 @@ time: {{method: quasistatic, step: 0.1, end: 0.4}}
         np.testing.assert_allclose([float(row["size"]) for row in rows[:2]], table["size"], rtol=1e-12)
         # A line for each level as it is solved, the last of which is the one more than asked for.
         self.assertEqual(re.findall(r"(?m)^level (\d) is solved: (\d+) tetrahedra,", done.stdout), [("0", "48"), ("1", "384"), ("2", "3072")])
+        self.assertLess(done.stdout.index("level 2: 3072 tetrahedra, 8 times those of level 1\n"), done.stdout.index("level 2 is solved"))
         self.assertRegex(done.stdout, r"(?m)^energy \[J\]:$")
         for row in rows:
             self.assertRegex(done.stdout, rf"(?m)^static +{row['level']} +{float(row['value']):.8g} ")
