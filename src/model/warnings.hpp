@@ -10,7 +10,7 @@
 
 namespace pliant {
 
-/// Those of `warnings_about` that doubt that densities and moduli of bodies are in SI units.
+/// Those of `warnings_about` that ask whether densities and moduli of bodies are in SI units.
 std::vector<Diagnostic> warnings_about_units(const Config& config);
 
 /// Warnings that need only the input, including those about its text.
