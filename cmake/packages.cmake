@@ -13,6 +13,7 @@ find_package(nlohmann_json REQUIRED)
 find_path(BOOST_INCLUDE_DIR boost/geometry/index/rtree.hpp REQUIRED)  # headers only
 find_library(GMSH_LIBRARY gmsh REQUIRED)
 find_library(METIS_LIBRARY metis REQUIRED)
+find_library(LAPACK_LIBRARY lapack REQUIRED)  # PETSc stands on it
 # A PETSc of 64-bit indices stands on a MUMPS whose ordering has them too, and SLEPc on it; the process can have one of the two only.
 find_file(PETSC_CONFIGURATION petscconf.h HINTS ${PETSC_INCLUDE_DIRS} REQUIRED NO_DEFAULT_PATH)
 file(STRINGS ${PETSC_CONFIGURATION} PLIANT_LONG_INDICES REGEX "define PETSC_USE_64BIT_INDICES 1")

@@ -1,9 +1,10 @@
 /// Solutions of the equations of joints that are far away.
 #pragma once
 
+#include "energy/rigid/joint_derivative.hpp"
+
 #include <cmath>
 #include <eigen3/Eigen/Core>
-#include <eigen3/Eigen/LU>
 #include <utility>
 
 namespace pliant {
@@ -21,28 +22,28 @@ template <class X, class Evaluate, class Move>
 Descent descend(X& x, double size, const Eigen::VectorXd& weights, const Evaluate& evaluate, const Move& moved) {
   constexpr int most_iterations = 100, most_halvings = 20;
   Eigen::VectorXd h, h_next;
-  Eigen::MatrixXd G, G_next;
+  JointDerivative G, G_next;
   evaluate(x, h, G);
   for (int i = 0; i < most_iterations; ++i) {
     if (!h.allFinite()) return Descent::failed;
     if (h.size() == 0 || h.lpNorm<Eigen::Infinity>() <= joint_tolerance * size) {
       return i == 0 ? Descent::nothing_to_do : Descent::done;
     }
-    const Eigen::MatrixXd across = weights.asDiagonal() * G.transpose();
-    const Eigen::VectorXd change = -across * Eigen::MatrixXd(G * across).partialPivLu().solve(h);
+    const Eigen::VectorXd change = -G.smallest_change(h, weights);
+    const bool is_near = h.lpNorm<Eigen::Infinity>() <= std::sqrt(joint_tolerance) * size;
     bool is_lower = false;
-    for (int k = 0; k < most_halvings && !is_lower; ++k) {
+    for (int k = 0; k < (is_near ? 1 : most_halvings) && !is_lower; ++k) {
       X next = moved(x, std::ldexp(1.0, -k) * change);
       evaluate(next, h_next, G_next);
       is_lower = h_next.norm() < h.norm();
       if (!is_lower) continue;
       x = std::move(next);
       h.swap(h_next);
-      G.swap(G_next);
+      std::swap(G, G_next);
     }
     if (is_lower) continue;
     // To rounding: nothing lowers it any more.
-    if (h.lpNorm<Eigen::Infinity>() > std::sqrt(joint_tolerance) * size) return Descent::failed;
+    if (!is_near) return Descent::failed;
     return i == 0 ? Descent::nothing_to_do : Descent::done;
   }
   return Descent::failed;

@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <eigen3/Eigen/Eigenvalues>
-#include <eigen3/Eigen/QR>
 #include <limits>
 #include <numbers>
 
@@ -15,8 +13,6 @@ namespace pliant {
 namespace {
 
 constexpr auto no_part = static_cast<std::size_t>(-1);
-/// Columns that keep less than this of their length give way to others.
-constexpr double least_kept = 0.1;
 /// By how much parts that soft bodies hold move where joints correct a position, relative to others.
 constexpr double of_held = 1e-6;
 
@@ -60,16 +56,6 @@ Mechanism::Mechanism(const NodeLayout& layout, std::vector<std::unique_ptr<Rigid
   hosts_.resize(static_cast<std::size_t>(columns_.cols()));
 }
 
-std::optional<JointSystem::Matrix> Mechanism::free_motions_near(const Vector& moved) const {
-  Vector xi = preferred_ * moved;
-  if (!approach(xi)) return std::nullopt;
-  Vector g;
-  Matrix G;
-  joints_.configuration(motions(xi), Along::columns, given_, g, G);
-  const Eigen::HouseholderQR<Matrix> qr(G.transpose());
-  return Matrix(qr.householderQ()).rightCols(preferred_.cols());
-}
-
 void Mechanism::set_rigidity(Rigidity rigidity) {
   rigidity_ = rigidity;
   for (const auto& part : parts_) part->set_rigidity(rigidity);
@@ -86,37 +72,14 @@ std::vector<PartMotion> Mechanism::motions(const Vector& xi) const {
   return result;
 }
 
-// The orthonormal columns nearest to the preferred ones: the polar factor of their part in the null space of G.
-void Mechanism::choose_columns() {
-  const Eigen::Index n = G_ref_.cols(), m = std::min(G_ref_.rows(), n), num_free = n - m;
-  across_ = weights_.asDiagonal() * G_ref_.transpose();
-  const Eigen::HouseholderQR<Matrix> qr(G_ref_.transpose());
-  const auto are_chosen = [&] {
-    if (preferred_.cols() != num_free || preferred_.rows() != n || num_free == 0) return false;
-    columns_ = qr.householderQ().adjoint() * preferred_;
-    columns_.topRows(m).setZero();
-    columns_.applyOnTheLeft(qr.householderQ());
-    const Eigen::SelfAdjointEigenSolver<Matrix> squares(columns_.transpose() * columns_);
-    if (squares.eigenvalues()[0] < least_kept * least_kept) return false;
-    columns_ *= squares.operatorInverseSqrt();
-    return true;
-  };
-  if (!are_chosen()) columns_ = Matrix(qr.householderQ()).rightCols(num_free);
-  coordinates_ = columns_.transpose();
-  if (weights_.minCoeff() == 1.0 || G_ref_.rows() > n) return;  // more equations than unknowns will be refused
-  Matrix basis(n, n);
-  basis << columns_, across_.colwise().normalized();
-  coordinates_ = basis.partialPivLu().inverse().topRows(num_free);
-}
-
 bool Mechanism::approach(Vector& xi) const {
-  const auto evaluate_at = [&](const Vector& at, Vector& h, Matrix& G) { evaluate(motions(at), h, G); };
+  const auto evaluate_at = [&](const Vector& at, Vector& h, JointDerivative& G) { evaluate(motions(at), h, G); };
   const auto moved = [](const Vector& from, const Vector& change) { return Vector(from + change); };
   return descend(xi, size_, weights_, evaluate_at, moved) != Descent::failed &&
          joints_.is_on_branch(motions(xi), given_);
 }
 
-bool Mechanism::solve(Vector& xi, std::vector<PartMotion>& parts, Matrix& G) const {
+bool Mechanism::solve(Vector& xi, std::vector<PartMotion>& parts, JointDerivative& G) const {
   parts = motions(xi);
   if (joints_.empty()) return true;
   constexpr int most_iterations = 50;
@@ -134,7 +97,7 @@ bool Mechanism::solve(Vector& xi, std::vector<PartMotion>& parts, Matrix& G) con
       return is_near && joints_.is_on_branch(parts, given_);
     }
     last = error;
-    xi -= across_ * Matrix(G * across_).partialPivLu().solve(h);
+    xi -= across(G.factors(weights_, G_ref_).solve(h));
     // The equations are those of motions of about this size.
     if (!(xi - reference_).allFinite()) return false;
     parts = motions(xi);
@@ -188,7 +151,7 @@ void Mechanism::begin_stage(const StagePoint& stage, Vec q) {
   if (stage.accepted == nullptr || is_ideal()) return;
   const Vector accepted = nearest_of_parts(stage.accepted);
   for (const auto& part : parts_) part->set_prescribed_fraction(0.0);
-  Matrix G;
+  JointDerivative G;
   evaluate(motions(accepted), violation_, G);
   for (const auto& part : parts_) part->set_prescribed_fraction(1.0);
 }
@@ -225,19 +188,24 @@ const Mechanism::Solution& Mechanism::at(std::span<const double> unknowns) const
     solution.xi = reference_ + columns_ * y;
   }
   solution.unknowns.assign(unknowns.begin(), unknowns.end());
-  Matrix G;
+  JointDerivative G;
   if (!solution.xi.allFinite() || !solve(solution.xi, solution.parts, G)) {
     solution.xi.setConstant(std::numeric_limits<double>::quiet_NaN());
     solution.parts = motions(solution.xi);
-    G = Matrix::Constant(G_ref_.rows(), G_ref_.cols(), std::numeric_limits<double>::quiet_NaN());
+    G = G_ref_;
+    G.fill(std::numeric_limits<double>::quiet_NaN());
   }
   solution.columns = solution.test_columns = columns_;
   if (!joints_.empty()) {
-    Vector g;
-    solution.columns -= across_ * Matrix(G * across_).partialPivLu().solve(G * columns_);
-    joints_.configuration(solution.parts, Along::test_columns, given_, g, G);
-    solution.test.compute(G * across_);
-    solution.test_columns -= across_ * solution.test.solve(G * columns_);
+    solution.test = G.factors(weights_, G_ref_);
+    solution.columns -= across(solution.test.solve(G * columns_));
+    solution.test_columns = solution.columns;
+    if (!is_symmetric()) {
+      Vector g;
+      joints_.configuration(solution.parts, Along::test_columns, given_, g, G);
+      solution.test = G.factors(weights_, G_ref_);
+      solution.test_columns = columns_ - across(solution.test.solve(G * columns_));
+    }
   }
   combine(solution);
   return solution;
@@ -263,20 +231,21 @@ void Mechanism::put_test_columns(std::span<const double> unknowns, PetscInt node
 
 void Mechanism::combine(Solution& solution) const {
   const auto combined = [&](std::size_t p, const Matrix& of_unknowns, const std::vector<BodyMotion<double>>& own) {
-    std::vector<BodyMotion<double>> result;
-    for (Eigen::Index k = 0; k < of_unknowns.cols(); ++k) {
-      BodyMotion<double>& sum = result.emplace_back(BodyMotion<double>{solution.parts[p].value.centre, {}, {}});
+    const BodyMotion<double> still{solution.parts[p].value.centre, {}, {}};
+    std::vector<BodyMotion<double>> result(static_cast<std::size_t>(of_unknowns.cols()), still);
+    for (std::size_t k = 0; k < result.size(); ++k) {
       for (std::size_t l = 0; l < own.size(); ++l) {
-        sum = sum_of(of_unknowns(static_cast<Eigen::Index>(first_[p] + l), k), own[l], sum);
+        add(of_unknowns(static_cast<Eigen::Index>(first_[p] + l), static_cast<Eigen::Index>(k)), own[l], result[k]);
       }
     }
     return result;
   };
-  solution.motions.clear();
-  solution.virtual_motions.clear();
+  solution.motions.resize(parts_.size());
+  solution.virtual_motions.resize(parts_.size());
   for (std::size_t p = 0; p < parts_.size(); ++p) {
-    solution.motions.push_back(combined(p, solution.columns, solution.parts[p].columns));
-    solution.virtual_motions.push_back(combined(p, solution.test_columns, solution.parts[p].test_columns));
+    solution.motions[p] = combined(p, solution.columns, solution.parts[p].columns);
+    solution.virtual_motions[p] =
+        is_symmetric() ? solution.motions[p] : combined(p, solution.test_columns, solution.parts[p].test_columns);
   }
 }
 
@@ -295,8 +264,7 @@ std::vector<double> Mechanism::nearest_unknowns(Vec q) const {
   Vector solution = nearest_of_parts(q);
   Vector on_joints = solution;
   if (approach(on_joints)) solution = on_joints;
-  const Vector y = coordinates_ * (solution - reference_);
-  return {y.begin(), y.end()};
+  return coordinates(solution - reference_);
 }
 
 std::vector<double> Mechanism::nearest_rates(Vec v) const {
@@ -305,8 +273,7 @@ std::vector<double> Mechanism::nearest_rates(Vec v) const {
     const auto nearest = part->nearest_rates(v);
     rates.insert(rates.end(), nearest.begin(), nearest.end());
   }
-  const Vector w = coordinates_ * Eigen::Map<const Vector>(rates.data(), static_cast<Eigen::Index>(rates.size()));
-  return {w.begin(), w.end()};
+  return coordinates(Eigen::Map<const Vector>(rates.data(), static_cast<Eigen::Index>(rates.size())));
 }
 
 void Mechanism::start_stage(const StagePoint& stage) const {
@@ -337,7 +304,7 @@ bool Mechanism::fit_states(const Step& step, Side side, bool with_configurations
   using States = std::vector<RigidPart::RigidState>;
   const auto given_now = joints_.given(step.time, step.dt, 1.0, 1.0, side);
   const std::vector<double> none(first_.back(), 0.0);
-  const auto evaluate_at = [&](const States& at, Vector& g, Matrix& G) {
+  const auto evaluate_at = [&](const States& at, Vector& g, JointDerivative& G) {
     joints_.configuration(motions(at), Along::columns, given_now, g, G);
   };
   const auto moved = [&](States at, const Vector& change) {
@@ -349,7 +316,7 @@ bool Mechanism::fit_states(const Step& step, Side side, bool with_configurations
   const bool are_new = with_configurations && descend(states, size_, Vector::Ones(G_ref_.cols()), evaluate_at, moved) !=
                                                   Descent::nothing_to_do;
   Vector g;
-  Matrix G;
+  JointDerivative G;
   evaluate_at(states, g, G);
   std::vector<BodyMotion<double>> values, rates_of_parts;
   for (const auto& state : states) {
@@ -357,7 +324,7 @@ bool Mechanism::fit_states(const Step& step, Side side, bool with_configurations
     rates_of_parts.push_back(state.rate());
   }
   const Vector rates = joints_.rates(values, rates_of_parts, given_now);
-  const Vector change = -G.transpose() * Matrix(G * G.transpose()).partialPivLu().solve(rates);
+  const Vector change = -G.smallest_change(rates, Vector::Ones(G.cols()));
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     states[p] = parts_[p]->moved(states[p], std::span(none).first(first_[p + 1] - first_[p]), of_part(change, p));
   }
@@ -410,7 +377,7 @@ std::vector<Mechanism::Violation> Mechanism::violations(const Step& step, Vec q,
     fastest = std::max(fastest, norm(at[p].velocity) + size_ * norm(at[p].omega));
   }
   Vector g;
-  Matrix G;
+  JointDerivative G;
   joints_.configuration(motions(at), Along::columns, given_now, g, G);
   const Vector moving = joints_.rates(values, rates_of_parts, given_now),
                still = joints_.rates(values, resting_rates, resting);

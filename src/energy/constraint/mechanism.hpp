@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <eigen3/Eigen/Core>
-#include <eigen3/Eigen/LU>
 #include <memory>
 #include <optional>
 #include <string>
@@ -112,7 +111,7 @@ class Mechanism final : public DependentNodes {
     std::vector<PartMotion> parts;
     Matrix columns, test_columns;                                           // d xi / dy, and virtual displacements
     std::vector<std::vector<BodyMotion<double>>> motions, virtual_motions;  // the same, of each part by each unknown
-    Eigen::PartialPivLU<Matrix> test;  // of G_W D G_ref^T, G_W: along virtual displacements
+    JointFactors test;  // of G_W D G_ref^T, G_W: along virtual displacements
   };
 
   std::span<const double> of_part(const Vector& xi, std::size_t part) const;
@@ -120,16 +119,24 @@ class Mechanism final : public DependentNodes {
   /// The unknowns of each part that are nearest to q.
   Vector nearest_of_parts(Vec q) const;
   /// h and its derivative by xi.
-  void evaluate(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const;
+  void evaluate(const std::vector<PartMotion>& parts, Vector& h, JointDerivative& G) const;
   /// The same where all of what is prescribed has happened.
-  void evaluate_all(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const;
+  void evaluate_all(const std::vector<PartMotion>& parts, Vector& h, JointDerivative& G) const;
   /// The columns N for equations with the derivative G_ref.
   void choose_columns();
+  /// Turns the columns such that the last of them do not move parts which soft bodies hold.
+  void separate_held_parts();
+  /// The part of the preferred columns in the null space of G_ref.
+  Matrix preferred_in_null_space() const;
+  /// D G_ref^T z.
+  Matrix across(const Matrix& z) const { return weights_.asDiagonal() * G_ref_.transposed_times(z); }
+  /// y of xi_ref + change, of which z is what is left.
+  std::vector<double> coordinates(const Vector& change) const;
   double largest_rotation(const Vector& xi) const;
   /// The nearest solution of h(xi) = 0 about; false: none is found.
   bool approach(Vector& xi) const;
   /// Newton's method for h(start + D G_ref^T z) = 0, with the motions and G at its end; false: it does not converge.
-  bool solve(Vector& xi, std::vector<PartMotion>& parts, Matrix& G) const;
+  bool solve(Vector& xi, std::vector<PartMotion>& parts, JointDerivative& G) const;
   const Solution& at(std::span<const double> unknowns) const;
   /// The motions of the parts by the mechanism's unknowns, from those by the parts' own.
   void combine(Solution& solution) const;
@@ -149,7 +156,8 @@ class Mechanism final : public DependentNodes {
   std::vector<PetscInt> nodes_, hosts_;
   std::vector<std::size_t> part_of_node_;  // per local owned node
   Vector weights_;                         // D
-  Matrix preferred_;                       // columns N
+  Matrix preferred_;                       // columns N at the start of the run
+  Eigen::Index num_alone_ = 0;             // those of them that do not move held parts, the last ones
   Rigidity rigidity_ = Rigidity::of_configurations;
   // State of the current stage.
   enum class Level { configuration, acceleration, end_of_step };
@@ -160,8 +168,8 @@ class Mechanism final : public DependentNodes {
   Vector violation_;  // h at the accepted state; empty: unknown
   double lag_ = 0.0;  // the part of it that is to be left: 1 - the fraction of what is prescribed
   Vector reference_;
-  Matrix columns_, G_ref_, across_;  // across_: D G_ref^T
-  Matrix coordinates_;               // y = coordinates_ (xi - xi_ref): of N the inverse, of `across_` zero
+  Matrix columns_;  // N
+  JointDerivative G_ref_;
   mutable Solution solution_;
 };
 

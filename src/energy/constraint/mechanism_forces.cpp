@@ -6,12 +6,12 @@
 
 namespace pliant {
 
-void Mechanism::evaluate(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const {
+void Mechanism::evaluate(const std::vector<PartMotion>& parts, Vector& h, JointDerivative& G) const {
   evaluate_all(parts, h, G);
   if (lag_ != 0.0) h -= lag_ * violation_;
 }
 
-void Mechanism::evaluate_all(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const {
+void Mechanism::evaluate_all(const std::vector<PartMotion>& parts, Vector& h, JointDerivative& G) const {
   if (level_ == Level::acceleration) {
     joints_.acceleration(parts, start_, advance_, given_, h, G);
     return;
@@ -60,7 +60,7 @@ std::vector<double> Mechanism::curvature(std::span<const double> unknowns, Vec f
   }
   Matrix result = solution.test_columns.transpose() * of_parts * solution.columns;
   if (!joints_.empty()) {
-    const Vector lambda = solution.test.transpose().solve(across_.transpose() * phi);
+    const Vector lambda = solution.test.solve_transposed(G_ref_ * Vector(weights_.cwiseProduct(phi)));
     const Matrix of_joints = joints_.curvature(solution.parts, bends, given_, lambda);
     result -= solution.test_columns.transpose() * of_joints * solution.columns;
   }
@@ -93,7 +93,7 @@ std::vector<JointReaction> Mechanism::reactions(Vec r, Vec q, std::span<const Ve
   for (const auto& part : parts_) at.push_back(part->state(q, q));
   const std::vector<PartMotion> motions_now = motions(at);
   Vector g;
-  Matrix G;
+  JointDerivative G;
   joints_.configuration(motions_now, Along::columns, given_, g, G);
   std::vector<double> forces(first_.back(), 0.0);
   {
@@ -107,7 +107,7 @@ std::vector<JointReaction> Mechanism::reactions(Vec r, Vec q, std::span<const Ve
   }
   sum_in_place(comm_, forces);
   const Eigen::Map<const Vector> phi(forces.data(), static_cast<Eigen::Index>(forces.size()));
-  const Vector lambda = Matrix(G * G.transpose()).partialPivLu().solve(G * phi);
+  const Vector lambda = G.factors(Vector::Ones(G.cols()), G).solve(G * Vector(phi));
   return joints_.reactions(motions_now, given_, lambda, points);
 }
 

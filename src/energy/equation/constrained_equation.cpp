@@ -30,8 +30,7 @@ ConstrainedEquation::ConstrainedEquation(StageEquation& equation, ConstraintMap&
     known.r = equation.make_vector();
   }
   if (!map.is_symmetric()) own_test_matrix_.emplace(map.test_matrix(), x_.get());
-  product_.emplace(full_.get(), test_matrix(), jacobian_.matrix(), map.is_tied(), map.is_slave());
-  pattern_of_full_ = pattern_id(full_.get());
+  make_product();
   PetscInt size = 0;
   check(VecGetLocalSize(x_.get(), &size));
   prescribed_.assign(equation.prescribed().begin(), equation.prescribed().begin() + size);
@@ -282,11 +281,21 @@ Vec ConstrainedEquation::displacements(Vec y) {
   return equation_.displacements(x_.get());
 }
 
+void ConstrainedEquation::make_product() {
+  pattern_of_full_ = pattern_id(full_.get());
+  std::vector<RowsOfColumns> dense;
+  for (const auto& dependent : map_.dependents()) {
+    RowsOfColumns& of = dense.emplace_back();
+    for (const PetscInt a : dependent->nodes()) of.rows.insert(of.rows.end(), {3 * a, 3 * a + 1, 3 * a + 2});
+    for (const PetscInt host : dependent->hosts()) of.columns.push_back(jacobian_.place(host));
+  }
+  product_.emplace(full_.get(), test_matrix(), jacobian_.matrix(), map_.is_tied(), map_.is_slave(), std::move(dense));
+}
+
 void ConstrainedEquation::project(Mat K) {
   if (pattern_id(full_.get()) != pattern_of_full_) {
-    pattern_of_full_ = pattern_id(full_.get());
     present_pattern_.change();
-    product_.emplace(full_.get(), test_matrix(), jacobian_.matrix(), map_.is_tied(), map_.is_slave());
+    make_product();
   }
   if (!present_pattern_.is_that_of(K)) present_pattern_.give(K, make_hessian());
   product_->set(full_.get(), K);

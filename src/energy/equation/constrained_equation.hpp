@@ -90,6 +90,8 @@ class ConstrainedEquation final : public StageEquation {
   void refreeze_map(Vec y, Vec r);
   Mat test_matrix() const { return (own_test_matrix_ ? *own_test_matrix_ : jacobian_).matrix(); }
   void set_near_null_space(Mat K) const;
+  /// For the present pattern of the Hessian in x.
+  void make_product();
   /// K = W^T (Hessian in x) J.
   void project(Mat K);
   Symmetry find_symmetry() const;

@@ -1,6 +1,7 @@
 /// The Hessian in the unknowns that constraints leave: a sparse product with matrices close to the identity.
 #pragma once
 
+#include "energy/equation/dense_rows.hpp"
 #include "petsc/matrix_parts.hpp"
 
 #include <array>
@@ -18,8 +19,10 @@ class ConstrainedProduct {
  public:
   /// All of type MATMPIAIJ with the same layout; only patterns are used. W and J may be one matrix. `is_tied`: one flag
   /// per leading owned row of J and W; the others are those of the identity. `is_slave`: likewise, rows and columns of
-  /// K that are zero. J and W outlive the object. Collective.
-  ConstrainedProduct(Mat A, Mat W, Mat J, const std::vector<char>& is_tied, const std::vector<char>& is_slave);
+  /// K that are zero but for the diagonal. `dense`: rows of W without other entries than zero. J and W outlive the
+  /// object. Collective.
+  ConstrainedProduct(Mat A, Mat W, Mat J, const std::vector<char>& is_tied, const std::vector<char>& is_slave,
+                     std::vector<RowsOfColumns> dense = {});
 
   /// A zero matrix with the pattern of K. Collective.
   Handle<Mat> make() const;
@@ -31,19 +34,28 @@ class ConstrainedProduct {
   /// One list for each part of a matrix: the columns of this rank, and those of other ranks.
   using Runs = std::array<std::vector<EntryRun>, 2>;
 
-  void find_diagonal(const std::vector<char>& is_slave);
   void make_near(Mat A);
+  /// W^T A' J, of the rows of W that are in use.
   void multiply(MatReuse reuse);
+  void make_pattern(Mat A);
+  void make_sparse_rows(const std::vector<RowsOfColumns>& dense);
+  Runs K_from_product() const;
+  void find_runs_from(Mat A);
+  void find_diagonal();
   void set_diagonal_of_slaves(const MatrixValues& K) const;
 
   Mat W_, J_;
+  bool has_two_steps_;  // or W = J, and no rows are dense
+  std::vector<char> is_tied_row_, is_slave_row_;
   std::array<std::vector<char>, 2> is_tied_column_;  // per column of each part of A
-  std::vector<char> is_tied_row_;
-  Handle<Mat> near_;                         // A'
-  Handle<Mat> W_transposed_, near_times_J_;  // where W is not J
-  Handle<Mat> product_;                      // W^T A' J
-  Handle<Mat> pattern_;                      // of K
-  Runs near_from_A_, K_from_A_, K_from_product_;
+  Handle<Mat> near_;                                 // A'
+  Mat W_rows_ = nullptr;                             // the rows of W that PETSc multiplies: all, or those of
+  Handle<Mat> sparse_rows_;                          // W without dense rows
+  Handle<Mat> transposed_, near_times_J_, product_;
+  std::vector<DenseRows> dense_;
+  Handle<Mat> pattern_;  // of K
+  Runs near_from_A_, sparse_rows_from_W_, K_from_A_, K_from_product_;
+  Runs of_whole_product_;                        // with dense rows, in K
   std::vector<PetscInt> of_slaves_, of_others_;  // diagonal entries of K
 };
 

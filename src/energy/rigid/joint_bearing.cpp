@@ -93,10 +93,10 @@ JointSystem::Matrix JointBearings::slopes(std::span<const PartMotion> parts, std
 void JointBearings::measure(std::span<const PartMotion> parts, const JointSystem& joints,
                             const JointSystem::Given& given, const JointSystem::Vector& phi) {
   JointSystem::Vector g;
-  JointSystem::Matrix G;
+  JointDerivative G;
   joints.configuration(parts, JointSystem::Along::test_columns, given, g, G);
   const JointSystem::Matrix D = slopes(parts, joints.first());
-  const JointSystem::Vector lambda = forces_of_joints(G, D, phi);
+  const JointSystem::Vector lambda = forces_of_joints(G.dense(), D, phi);
   std::vector<Vector3<double>> points;
   for (const JointBearing& bearing : bearings_) {
     points.resize(std::max(points.size(), bearing.joint + 1));

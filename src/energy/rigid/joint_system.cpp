@@ -44,8 +44,17 @@ BodyMotion<double> sum_of(double a, const BodyMotion<double>& x, const BodyMotio
   return each<double>([a](double p, double q) { return a * p + q; }, x, y);
 }
 
+void add(double a, const BodyMotion<double>& x, BodyMotion<double>& y) {
+  for (std::size_t i = 0; i < 3; ++i) y.translation[i] += a * x.translation[i];
+  for (std::size_t i = 0; i < 9; ++i) y.gradient.a[i] += a * x.gradient.a[i];
+}
+
 JointSystem::JointSystem(std::vector<JointEquation> equations, std::vector<std::size_t> first)
-    : equations_(std::move(equations)), scales_(equations_.size(), 1.0), first_(std::move(first)) {}
+    : equations_(std::move(equations)), scales_(equations_.size(), 1.0), first_(std::move(first)) {
+  std::vector<std::array<int, 2>> bodies;
+  for (const JointEquation& equation : equations_) bodies.push_back(equation.bodies);
+  pattern_ = std::make_shared<JointPattern>(bodies, first_);
+}
 
 bool JointSystem::is_length(Eigen::Index equation) const {
   const auto& kind = equations_[static_cast<std::size_t>(equation)].kind;
@@ -62,12 +71,12 @@ std::size_t JointSystem::num_joints() const {
   return number;
 }
 
-void JointSystem::scale_rows(Matrix& G) {
-  for (Eigen::Index j = 0; j < num_equations(); ++j) {
-    const double length = G.row(j).norm();
+void JointSystem::scale_rows(JointDerivative& G) {
+  for (std::size_t j = 0; j < equations_.size(); ++j) {
+    const double length = G.norm_of_row(j);
     if (length == 0.0) continue;
-    scales_[static_cast<std::size_t>(j)] /= length;
-    G.row(j) /= length;
+    scales_[j] /= length;
+    G.scale_row(j, 1.0 / length);
   }
 }
 
@@ -84,35 +93,33 @@ JointSystem::Given JointSystem::given(double time, double time_scale, double uni
   return result;
 }
 
-void JointSystem::put_row(Eigen::Index row, const JointEquation::Forces& forces, std::span<const PartMotion> parts,
-                          Along along, Matrix& G) const {
-  const auto j = static_cast<std::size_t>(row);
+void JointSystem::put_row(std::size_t row, const JointEquation::Forces& forces, std::span<const PartMotion> parts,
+                          Along along, JointDerivative& G) const {
   for (std::size_t side = 0; side < 2; ++side) {
-    if (equations_[j].bodies[side] < 0) continue;
-    const auto p = static_cast<std::size_t>(equations_[j].bodies[side]);
+    if (equations_[row].bodies[side] < 0) continue;
+    const auto p = static_cast<std::size_t>(equations_[row].bodies[side]);
     const auto& columns = along == Along::columns ? parts[p].columns : parts[p].test_columns;
-    for (std::size_t k = 0; k < columns.size(); ++k) {
-      G(row, static_cast<Eigen::Index>(first_[p] + k)) = scales_[j] * forces[side].along(columns[k]);
-    }
+    const auto entries = G.entries(row, side);
+    for (std::size_t k = 0; k < columns.size(); ++k) entries[k] = scales_[row] * forces[side].along(columns[k]);
   }
 }
 
 void JointSystem::configuration(std::span<const PartMotion> parts, Along along, const Given& given, Vector& g,
-                                Matrix& G) const {
+                                JointDerivative& G) const {
   g = Vector::Zero(num_equations());
-  G = Matrix::Zero(num_equations(), num_unknowns());
+  G = JointDerivative(pattern_);
   for (std::size_t j = 0; j < equations_.size(); ++j) {
     const JointEquation& equation = equations_[j];
     const auto row = static_cast<Eigen::Index>(j);
     const JointEquation::Motions bodies{&value_of(equation.bodies[0], parts), &value_of(equation.bodies[1], parts)};
     g[row] = scales_[j] * equation(*bodies[0], *bodies[1], given[j]);
-    put_row(row, equation.gradient(bodies, given[j]), parts, along, G);
+    put_row(j, equation.gradient(bodies, given[j]), parts, along, G);
   }
 }
 
 void JointSystem::acceleration(std::span<const PartMotion> parts, std::span<const BodyMotion<double>> start,
                                std::span<const BodyMotion<double>> advance, const Given& given, Vector& h,
-                               Matrix& G) const {
+                               JointDerivative& G) const {
   using Number = TimeSeries<double>;
   std::vector<BodyMotion<Number>> series;
   std::vector<BodyMotion<double>> once, twice;
@@ -127,13 +134,13 @@ void JointSystem::acceleration(std::span<const PartMotion> parts, std::span<cons
     return body < 0 ? &ground : &motions[static_cast<std::size_t>(body)];
   };
   h = Vector::Zero(num_equations());
-  G = Matrix::Zero(num_equations(), num_unknowns());
+  G = JointDerivative(pattern_);
   for (std::size_t j = 0; j < equations_.size(); ++j) {
     const JointEquation& equation = equations_[j];
     const auto row = static_cast<Eigen::Index>(j);
     const auto& [a, b] = equation.bodies;
     h[row] = scales_[j] * equation(*of(a, series, of_ground), *of(b, series, of_ground), given[j]).acceleration;
-    put_row(row,
+    put_row(j,
             equation.gradient_of_acceleration({&value_of(a, parts), &value_of(b, parts)},
                                               {of(a, once, at_rest), of(b, once, at_rest)},
                                               {of(a, twice, at_rest), of(b, twice, at_rest)}, given[j]),
@@ -217,10 +224,10 @@ JointSystem::Matrix JointSystem::curvature(std::span<const PartMotion> parts,
 }
 
 // Equations with a part in a sum that vanishes: a left singular vector of the value zero.
-JointSystem::Dependent JointSystem::dependent_joints(const Matrix& G) const {
+JointSystem::Dependent JointSystem::dependent_joints(const JointDerivative& G) const {
   Dependent result;
   if (empty()) return result;
-  const Eigen::JacobiSVD<Matrix> svd(G, Eigen::ComputeFullU);
+  const Eigen::JacobiSVD<Matrix> svd(G.dense(), Eigen::ComputeFullU);
   for (Eigen::Index j = 0; j < G.rows(); ++j) {
     if (j < svd.singularValues().size() && svd.singularValues()[j] > independence) continue;
     ++result.number;

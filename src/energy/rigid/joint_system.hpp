@@ -2,9 +2,11 @@
 #pragma once
 
 #include "energy/given_motion.hpp"
+#include "energy/rigid/joint_derivative.hpp"
 #include "energy/rigid/joint_equation.hpp"
 
 #include <eigen3/Eigen/Core>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -18,6 +20,8 @@ struct JointReaction {
 
 /// a x + y.
 BodyMotion<double> sum_of(double a, const BodyMotion<double>& x, const BodyMotion<double>& y);
+/// y += a x.
+void add(double a, const BodyMotion<double>& x, BodyMotion<double>& y);
 
 /// g_j(motions, t) = 0 for each equation j of the joints between some bodies; the unknowns of body p have the numbers
 /// first[p] .. first[p + 1] - 1. Equations are scaled such that their derivatives at the reference configuration have
@@ -45,17 +49,19 @@ class JointSystem {
   /// The first unknown of each body, and their number.
   std::span<const std::size_t> first() const { return first_; }
   /// Scales the equations such that the rows of G, their derivatives, have length 1; scales G too.
-  void scale_rows(Matrix& G);
+  void scale_rows(JointDerivative& G);
 
   /// What is given, one-sided in time; rates are times `unit`, accelerations times its square. `time_scale`: formulas
   /// are smooth over this time on that side. `factor` multiplies them.
   Given given(double time, double time_scale, double unit, double factor, Side side) const;
   /// g and its derivative by the unknowns.
-  void configuration(std::span<const PartMotion> parts, Along along, const Given& given, Vector& g, Matrix& G) const;
+  void configuration(std::span<const PartMotion> parts, Along along, const Given& given, Vector& g,
+                     JointDerivative& G) const;
   /// dt^2 d2g/dt2 of a stage, and its derivative by the unknowns, with x' = (x - x0) / dt, x'' = (x - x0 - dt v0) /
   /// dt^2; `advance`: dt v0; rates of what is given are times dt.
   void acceleration(std::span<const PartMotion> parts, std::span<const BodyMotion<double>> start,
-                    std::span<const BodyMotion<double>> advance, const Given& given, Vector& h, Matrix& G) const;
+                    std::span<const BodyMotion<double>> advance, const Given& given, Vector& h,
+                    JointDerivative& G) const;
   /// Whether solutions are those that are meant: a turn is known up to half a turn by its equation, a distance up to
   /// its sign.
   bool is_on_branch(std::span<const PartMotion> parts, const Given& given) const;
@@ -72,7 +78,7 @@ class JointSystem {
     std::vector<std::size_t> joints;
     int number = 0;
   };
-  Dependent dependent_joints(const Matrix& G) const;
+  Dependent dependent_joints(const JointDerivative& G) const;
   /// The reaction of each joint, from the forces lambda of the equations. `points`: of the joints on their second
   /// bodies, in the reference configuration [m].
   std::vector<JointReaction> reactions(std::span<const PartMotion> parts, const Given& given, const Vector& lambda,
@@ -82,12 +88,13 @@ class JointSystem {
   Eigen::Index num_equations() const { return static_cast<Eigen::Index>(equations_.size()); }
   Eigen::Index num_unknowns() const { return static_cast<Eigen::Index>(first_.back()); }
   /// The derivative of an equation by the unknowns of its bodies.
-  void put_row(Eigen::Index row, const JointEquation::Forces& forces, std::span<const PartMotion> parts, Along along,
-               Matrix& G) const;
+  void put_row(std::size_t row, const JointEquation::Forces& forces, std::span<const PartMotion> parts, Along along,
+               JointDerivative& G) const;
 
   std::vector<JointEquation> equations_;
   std::vector<double> scales_;
   std::vector<std::size_t> first_;
+  std::shared_ptr<const JointPattern> pattern_;
 };
 
 }  // namespace pliant

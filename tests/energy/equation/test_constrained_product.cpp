@@ -56,6 +56,29 @@ class ConstrainedProducts : public ::testing::Test {
     }
     return make_sparse_matrix(comm, rows);
   }
+  /// Rows 4, 5 and 8 of each rank have entries in row 4 of the first rank, row 8 of the last and row 5 of the second,
+  /// if there is one, and are themselves zero otherwise.
+  Handle<Mat> dependents(double factor) const {
+    SparseRows rows(num_mine);
+    for (PetscInt i = 0; i < num_mine; ++i) {
+      auto& entries = rows[static_cast<std::size_t>(i)];
+      entries[first_ + i] = is_dependent(i) ? 0.0 : 1.0;
+      if (!is_dependent(i)) continue;
+      for (const PetscInt host : hosts()) entries[host] = factor * rough(first_ + i, host);
+    }
+    return make_sparse_matrix(comm, rows);
+  }
+  std::vector<PetscInt> hosts() const { return {4, num_all_ - num_mine + 8, std::min(size_ - 1, 1) * num_mine + 5}; }
+  static bool is_dependent(PetscInt i) { return i == 4 || i == 5 || i == 8; }
+  std::vector<char> flags(bool of_slaves) const {
+    const auto all = hosts();
+    std::vector<char> result(num_mine, 0);
+    for (PetscInt i = 0; i < num_mine; ++i) {
+      const bool is_host = std::ranges::find(all, first_ + i) != all.end();
+      result[static_cast<std::size_t>(i)] = is_dependent(i) && !(of_slaves && is_host) ? 1 : 0;
+    }
+    return result;
+  }
   static bool is_tied(PetscInt i) { return i == 4 || i == 5; }
   static std::vector<char> tied() {
     std::vector<char> flags(num_mine, 0);
@@ -99,6 +122,28 @@ TEST_F(ConstrainedProducts, FollowTheValuesOfTheMaps) {
   check(MatCopy(wider.get(), J.get(), SAME_NONZERO_PATTERN));
   product.set(A.get(), K.get());
   EXPECT_LT(difference(A.get(), W.get(), J.get(), K.get()), 1e-15);
+}
+
+TEST_F(ConstrainedProducts, TakeRowsOfTheSameColumnsTogether) {
+  const auto A = band(1.0), J = dependents(1.0), W = dependents(0.7);
+  for (const Mat test : {W.get(), J.get()}) {
+    ConstrainedProduct product(A.get(), test, J.get(), flags(false), flags(true), {{{4, 5, 8}, hosts()}});
+    const Handle<Mat> K = product.make();
+    for (int round = 0; round < 2; ++round) {
+      product.set(A.get(), K.get());
+      // But for the diagonal of slaves.
+      Handle<Mat> without;
+      check(MatDuplicate(K.get(), MAT_COPY_VALUES, without.out()));
+      const auto slaves = flags(true);
+      for (PetscInt i = 0; i < num_mine; ++i) {
+        if (slaves[static_cast<std::size_t>(i)])
+          check(MatSetValue(without.get(), first_ + i, first_ + i, 0.0, INSERT_VALUES));
+      }
+      check(MatAssemblyBegin(without.get(), MAT_FINAL_ASSEMBLY));
+      check(MatAssemblyEnd(without.get(), MAT_FINAL_ASSEMBLY));
+      EXPECT_LT(difference(A.get(), test, J.get(), without.get()), 1e-15);
+    }
+  }
 }
 
 TEST_F(ConstrainedProducts, HaveTheMeanOfOtherDiagonalEntriesAtSlaves) {
