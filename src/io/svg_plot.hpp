@@ -17,6 +17,7 @@ enum class SeriesStyle {
   by_scale,  ///< a line, with marks if the vertical axis is logarithmic
   line,
   marks,
+  line_with_marks,
 };
 
 /// Points joined by lines; x and y are equally long. Points that the plot cannot show (not finite, or not above zero

@@ -89,7 +89,7 @@ Plot plot_over(const SweptNumbers& numbers, const std::vector<SweptValues>& keys
     if (name.empty()) name = result.name;
     auto series = std::ranges::find(plot.series, name, &PlotSeries::name);
     if (series == plot.series.end()) {
-      const auto style = is_sampled ? SeriesStyle::marks : SeriesStyle::by_scale;
+      const auto style = is_sampled ? SeriesStyle::marks : SeriesStyle::line_with_marks;
       series = plot.series.insert(series, {name, {}, {}, style});
     }
     series->x.push_back(numbers.values[run]);

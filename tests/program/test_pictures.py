@@ -27,6 +27,21 @@ class Pictures(ProgramTest):
         """With a folder for the caches of matplotlib and of the graphics library, which say so where they have none."""
         return finish(start(arguments, self.directory, ranks, {"XDG_CACHE_HOME": str(self.directory / "cache"), **(environment or {})}), timeout)
 
+    def test_forces_are_drawn_once_and_few_at_a_time(self):
+        sys.path.insert(0, str(ROOT / "src/python"))
+        from pliant.pictures import plot  # which needs matplotlib
+        time = np.linspace(0, 1, 5)
+        history = {"time": time, "elastic_energy": time**2, "load_work": time**2}
+        for k, name in enumerate(("root", "table", "table_ball", "wall", "wall_left", "grip", "still")):
+            history |= {f"{name}_f{axis}": (name != "still") * time ** (1 + (k if name != "table_ball" else 1)) for axis in "xyz"}
+        figure = plot.draw(history, "", {})
+        drawn = {axes.get_title(): [line.get_label() for line in axes.lines] for axes in figure.axes}
+        of = {title: sorted({label.split()[0] for label in labels}) for title, labels in drawn.items() if title.startswith("Forces")}
+        self.assertEqual(of, {"Forces of root, table, wall": ["root", "table", "wall"], "Forces of wall_left, grip": ["grip", "wall_left"]})
+        styles = {line.get_label(): line.get_linestyle() for line in figure.axes[0].lines}
+        self.assertEqual(styles, {"elastic energy": "-", "load work": "--"})
+        plot.plt.close(figure)
+
     def test_a_result_and_a_history_are_drawn(self):
         synthetic.write_result(self.out, num_frames=2, cubes=(3, 1, 1))
         synthetic.write_history(self.out, num_steps=5)

@@ -90,6 +90,8 @@ class Sweep(ProgramTest):
             place = f"{row['bodies.0.density']}, {row['bodies.0.elasticity.youngs_modulus'].removesuffix(' MPa')}"
             self.assertAlmostEqual(shown[place], 1000 * float(row["sag"]), delta=1e-2 * abs(float(row["sag"])))
         self.assertIn("sag [mm]", "".join(tree.itertext()))
+        places = list(ElementTree.parse(self.directory / "out/sag.svg").getroot().iter())[1:]
+        self.assertEqual(sum(place.find("{http://www.w3.org/2000/svg}title") is not None for place in places), 4, "a mark for each run")
 
     def test_mistakes_are_told_before_anything_runs(self):
         for settings, expected in (

@@ -28,6 +28,7 @@ STYLE = {
 }
 ENERGIES = ("kinetic_energy", "elastic_energy", "load_potential", "dissipated_energy", "numerical_dissipation", "load_work")
 
+MOST_FORCES = 3  # in a drawing, with three lines each
 ROUNDING, SEEN = 1e-12, 1e-6  # of the largest value of a unit: what counts as constant, and half of the axis that it is drawn on
 
 
@@ -76,7 +77,9 @@ def draw_energies(axes, time, history):
     axes.set_title("Energies")
     for name in ENERGIES:
         if name in history and np.any(history[name] != 0):
-            axes.plot(time, history[name], label=name.replace("_", " "))
+            # At slow motion the work of loads is the elastic energy, which is seen under dashes.
+            style = {"linestyle": "--"} if name == "load_work" else {}
+            axes.plot(time, history[name], label=name.replace("_", " "), **style)
     axes.set_ylabel("energy [J]")
     show_legend(axes)
 
@@ -143,9 +146,18 @@ def draw_path(axes, history, name, values):
     axes.set_xlabel(name)
 
 
-def draw_forces(axes, time, history, names):
-    draw_lines(axes, time, "Forces of obstacles and constraints", "force [N]",
-               {f"{name} {axis}": history[f"{name}_f{axis}"] for name in names for axis in "xyz"})
+def of_forces(history):
+    """Drawings of the forces of obstacles and constraints, of few of them each: a force of an obstacle on its only body is not drawn twice."""
+    components = {name: [history[f"{name}_f{axis}"] for axis in "xyz"] for name in triples(history, ("_fx", "_fy", "_fz"))}
+    change = {name: max(np.ptp(values) for values in of_name) for name, of_name in components.items()}
+    seen = [name for name in components if change[name] > 1e-3 * max(change.values())] or list(components)[:MOST_FORCES]
+    for whole in list(seen):
+        seen = [name for name in seen if not (name.startswith(f"{whole}_") and np.array_equal(components[name], components[whole], equal_nan=True))]
+    parts = [seen[first:first + MOST_FORCES] for first in range(0, len(seen), MOST_FORCES)]
+    for names in parts:
+        title = "Forces of obstacles and constraints" if len(parts) == 1 else "Forces of " + ", ".join(names)
+        lines = {f"{name} {axis}": values for name in names for axis, values in zip("xyz", components[name])}
+        yield lambda axes, time, h, parts=(title, "force [N]", lines): draw_lines(axes, time, *parts)
 
 
 # Columns of cavities, tendons, springs and joints: their ending, the title over them, and what they are.
@@ -223,9 +235,7 @@ def panels(history, taken):
     probes = triples(history, ("_x", "_y", "_z"))
     if probes:
         chosen.append(lambda axes, time, h: draw_probes(axes, time, h, probes))
-    forces = triples(history, ("_fx", "_fy", "_fz"))
-    if forces:
-        chosen.append(lambda axes, time, h: draw_forces(axes, time, h, forces))
+    chosen += of_forces(history)
     chosen += of_mechanisms(history, taken)
     for name, title in taken.items():
         if name in history:
