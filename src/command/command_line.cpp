@@ -49,7 +49,15 @@ std::string no_place_for(const std::vector<std::string>& words, const CLI::App& 
     return no_command(word, command,
                       can_be_plotted ? "; to plot a law or a material: pliant materials plot " + word : "");
   }
-  if (option == words.end()) return fmt::format("it takes no argument '{}'", words.front());
+  if (option == words.end()) {
+    const auto repeats = [](const CLI::Option* one) { return one->count() > 0 && one->get_expected_max() > 1; };
+    const auto given = command.get_options(repeats);
+    const std::string how =
+        given.empty() ? ""
+                      : fmt::format("; several values of {0} are given as {0} {1} {0} {2}", given.front()->get_name(),
+                                    given.front()->results().back(), words.front());
+    return fmt::format("it takes no argument '{}'{}", words.front(), how);
+  }
   const std::string name = option->substr(0, option->find('='));
   if (name == "-n" || name == "-np") {
     const bool has_number = option + 1 != words.end() && parse_number(*(option + 1)).has_value();
@@ -84,7 +92,7 @@ std::string explained(const CLI::ParseError& error, const CLI::App& app, int arg
   };
   const auto setting = std::ranges::find_if(words, is_setting);
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError) && setting != words.end() &&
-      at->get_option_no_throw("--set") != nullptr) {
+      at->get_option_no_throw("--set") != nullptr && text.find("--set") == std::string::npos) {
     text += fmt::format("; values of the input are set by --set {}", *setting);
   }
   return fmt::format("{}: {}; see {} --help", command, text, command);

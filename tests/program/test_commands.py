@@ -145,6 +145,8 @@ class Commands(ProgramTest):
         for words, message in ((("run", "in.yaml", "--quite"), "pliant run: it has no option '--quite' (did you mean '--quiet'?); see pliant run --help"),
                                (("render", "out", "--zzzzzzzzzzzz", "3"), "pliant render: it has no option '--zzzzzzzzzzzz'; see pliant render --help"),
                                (("--set", "a=1"), "pliant: it has no option '--set'; see pliant --help"),
+                               (("render", "out", "--hide", "a", "b"), "pliant render: it takes no argument 'b'; several values of --hide are given as --hide a --hide b; see pliant render --help"),
+                               (("run", "in.yaml", "--set", "a=1", "b=2"), "pliant run: it takes no argument 'b=2'; several values of --set are given as --set a=1 --set b=2; see pliant run --help"),
                                (("methods", "bdf2", "bdf3"), "pliant methods: it takes no argument 'bdf2'; see pliant methods --help"),
                                (("materials", "yeoh"), "pliant materials: there is no command 'yeoh'; to plot a law or a material: pliant materials plot yeoh; see pliant materials --help"),
                                (("mesh", "convrt"), "pliant mesh: there is no command 'convrt' (did you mean 'convert'?); see pliant mesh --help")):
