@@ -9,6 +9,9 @@
 #include "petsc/ghosted.hpp"
 
 #include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -35,6 +38,14 @@ class Walls {
   std::span<const char> is_shell_;
   Selections& selections_;
 };
+
+/// The corners of a facet, the smallest first, in the order that its orientation gives: a shell between two chambers
+/// has one orientation in the walls of each.
+std::array<PetscInt, 3> oriented_corners(std::span<const PetscInt> nodes) {
+  std::array<PetscInt, 3> corners{nodes[0], nodes[1], nodes[2]};
+  std::ranges::rotate(corners, std::ranges::min_element(corners));
+  return corners;
+}
 
 PrescribedSamples samples_of(const Config& config, const NodeLayout& layout, const PrescribedDisplacement& prescribed) {
   PrescribedSamples samples{prescribed.flags(), {}};
@@ -130,6 +141,33 @@ WettedParts find_wetted_parts(const Config& config, const NodeLayout& layout, st
     parts.of_cavities.push_back(walls_of(cavity.part, cavity.where));
   }
   return parts;
+}
+
+std::vector<Diagnostic> warnings_about_shared_walls(const Config& config, const NodeLayout& layout,
+                                                    const WettedParts& parts) {
+  const std::vector<FacetList>& walls = parts.of_cavities;
+  std::vector<std::pair<std::array<PetscInt, 3>, std::size_t>> facets;  // each with its cavity
+  for (std::size_t c = 0; c < walls.size(); ++c) {
+    for (PetscInt f = 0; f < walls[c].size(); ++f) {
+      if (walls[c].is_owned[f]) facets.emplace_back(oriented_corners(walls[c].nodes_of(f)), c);
+    }
+  }
+  std::ranges::sort(facets);
+  std::vector<double> num_shared(walls.size() * walls.size());  // by pairs of cavities
+  for (std::size_t k = 1; k < facets.size(); ++k) {
+    if (facets[k].first == facets[k - 1].first) ++num_shared[facets[k - 1].second * walls.size() + facets[k].second];
+  }
+  sum_in_place(layout.comm, num_shared);
+  std::vector<Diagnostic> warnings;
+  for (std::size_t pair = 0; pair < num_shared.size(); ++pair) {
+    if (num_shared[pair] == 0.0) continue;
+    const CavityConfig &one = config.cavities[pair / walls.size()], &other = config.cavities[pair % walls.size()];
+    warnings.push_back({Severity::warning, other.where,
+                        fmt::format("the cavities '{}' and '{}' have {:.0f} facets of their walls in common, and both "
+                                    "press there; is another surface meant?",
+                                    one.name, other.name, num_shared[pair])});
+  }
+  return warnings;
 }
 
 WettedTerms make_wetted_terms(const Config& config, const NodeLayout& layout, const BlockPattern& pattern,

@@ -37,6 +37,10 @@ struct WettedParts {
 WettedParts find_wetted_parts(const Config& config, const NodeLayout& layout, std::span<const char> is_shell,
                               Selections& selections);
 
+/// Warns of cavities that press on the same facets. Collective.
+std::vector<Diagnostic> warnings_about_shared_walls(const Config& config, const NodeLayout& layout,
+                                                    const WettedParts& parts);
+
 /// The terms of the pressures among the loads, then those of the cavities.
 struct WettedTerms {
   std::vector<LocatedTerm> terms;

@@ -240,6 +240,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   if (!has_incompressible_body(config) && analysis_of(config) == Analysis::dynamic) {  // or a strain is refused later
     include(warnings_about_start(config, layout_, selections));
   }
+  include(warnings_about_shared_walls(config, layout_, load_parts.wetted));
   loads_ = std::make_unique<Loads>(config, layout_, *pattern_, std::move(load_parts), constraints_->prescribed());
   require_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);
   if (config.contact) {
@@ -262,6 +263,10 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   }
 
   springs_ = make_springs(bodies);
+  find_probes(config, left_out);
+}
+
+void Model::find_probes(const Config& config, const std::vector<char>& left_out) {
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
   probes_ = locate(layout_, points, left_out);

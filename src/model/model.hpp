@@ -129,6 +129,8 @@ class Model {
   void make_equation(const Config& config);
   /// Parts of the mesh that neither nodes nor constraints join.
   void find_components(const Config& config, Selections& selections);
+  /// `left_out`: per local cell, whether no probe is in it.
+  void find_probes(const Config& config, const std::vector<char>& left_out);
   void check_overlap(const Config& config);
   /// Whether one of two components has no surface; `k`: as in are_kept_apart.
   bool is_without_surface(std::size_t k) const {

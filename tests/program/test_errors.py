@@ -172,6 +172,8 @@ DOUBTFUL = {
                                      "bulk_modulus: 1 MPa, fibre: [1, \"x\", 0]}}]", "'guccione' is stable only along the fibres down to a stretch"),
     "parts that overlap": ("mesh", "mesh: {file: @cube.msh}", "overlap at the start, 0.[12][0-9]* m deep"),
     "parts that pass through one another": ("output", 'initial: {velocity: ["-30*(x > 1.4)", 0, 0]}', "at t = 0.02 s two parts of 'body', which share no node, pass through"),
+    "two cavities with the same walls": ("output", 'cavities: [{name: c, where: "x > -1", volume: 3, pressure: 1}, '
+                                         '@{name: d, where: "x > -1", volume: 3, pressure: 1}]', "'c' and 'd' have 48 facets of their walls in common"),
     "Newton's method that does nothing": ("output", "solver: {newton: {absolute: 1 MN}}", "ended 2 of 2 solves.* these are not solutions"),
 }
 NOT_DOUBTFUL = {
