@@ -80,7 +80,11 @@ class TreeBuilder : public YAML::EventHandler {
   }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    finish(node(InputNode::Kind::null, mark), anchor);
+    InputNode null = node(InputNode::Kind::null, mark);
+    const auto start = static_cast<std::size_t>(mark.pos);
+    if (start < text_.size() && std::string_view("nN~").find(text_[start]) != std::string_view::npos)
+      null.text = "null";
+    finish(std::move(null), anchor);
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {

@@ -303,6 +303,13 @@ bool is_whole_number(std::string_view text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
+/// `friction:` and nothing behind it: the default is probably not what was meant.
+void warn_of_empty(const InputNode& empty, const std::string& section, const KeyInfo& key, Diagnostics& diagnostics) {
+  const std::string fallback = key.fallback.empty() ? "" : ", with the default " + key.fallback;
+  diagnostics.warn(empty.key_where,
+                   "key '" + key.key + "'" + in_section(section) + " has no value; it counts as not given" + fallback);
+}
+
 }  // namespace
 
 void warn_of_decimal_commas(const InputNode& node, Diagnostics& diagnostics) {
@@ -375,8 +382,11 @@ bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& s
     }
   }
   for (const KeyInfo& key : section.children) {
-    if (key.need != KeyInfo::Need::required || is_given(node, key.key)) continue;
-    if (const InputNode* empty = node.find(key.key)) {
+    if (is_given(node, key.key)) continue;
+    const InputNode* empty = node.find(key.key);
+    if (key.need != KeyInfo::Need::required) {
+      if (empty != nullptr && empty->text.empty()) warn_of_empty(*empty, name, key, diagnostics);
+    } else if (empty != nullptr) {
       diagnostics.add(empty->key_where, "key '" + key.key + "'" + in_section(name) + " has no value");
     } else {
       diagnostics.add({node.where, {key.key}}, node.where, "missing key '" + key.key + "'" + in_section(name));

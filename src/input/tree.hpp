@@ -55,7 +55,7 @@ struct InputNode {
   enum class Kind { null, scalar, list, map };
   Kind kind = Kind::null;
   std::string key;                  ///< empty unless in a map
-  std::string text;                 ///< scalar
+  std::string text;                 ///< scalar; of a null, which is none, "null" if it is written out
   std::vector<InputNode> children;  ///< list: items; map: values with their keys, each key once
   Location where;                   ///< of the value
   Location key_where;

@@ -174,6 +174,9 @@ DOUBTFUL = {
     "parts that pass through one another": ("output", 'initial: {velocity: ["-30*(x > 1.4)", 0, 0]}', "at t = 0.02 s two parts of 'body', which share no node, pass through"),
     "two cavities with the same walls": ("output", 'cavities: [{name: c, where: "x > -1", volume: 3, pressure: 1}, '
                                          '@{name: d, where: "x > -1", volume: 3, pressure: 1}]', "'c' and 'd' have 48 facets of their walls in common"),
+    "a key without a value": ("output", "contact:\n  @friction:\n  stiffness: 1\n  obstacles: [{name: floor, shape: plane, normal: [0, 0, 1]}]",
+                              "'friction' in contact has no value; it counts as not given"),
+    "a section without a value": ("output", "output: {directory: out, @every: }", "'every' in output has no value"),
     "Newton's method that does nothing": ("output", "solver: {newton: {absolute: 1 MN}}", "ended 2 of 2 solves.* these are not solutions"),
 }
 NOT_DOUBTFUL = {
@@ -181,6 +184,8 @@ NOT_DOUBTFUL = {
     "a load across what is held": ("constraints", "constraints: [{surface: left, displacement: [0, 0, free]}]\n"
                                    "probes: [{name: a, point: [0, 0, 0]}]"),
     "a wall at a distance": ("output", "contact: {stiffness: 1, obstacles: [{name: wall, shape: plane, point: [-60, 0, -60], normal: [1, 0, 0]}]}"),
+    "a default by null": ("output", "contact: {friction: null, viscous_friction: ~, stiffness: 1, obstacles: "
+                          "[{name: floor, shape: plane, normal: [0, 0, 1]}]}"),
     "a floor that is touched": ("output", "contact: {stiffness: 1, obstacles: [{name: floor, shape: plane, normal: [0, 0, 1]}]}"),
     "a ball beside the body": ("output", "contact: {stiffness: 1, obstacles: [{name: a, shape: sphere, point: [0.5, 0.5, -0.3], radius: 0.2}]}"),
     "motion from where the body is": ("constraints", "constraints: [{surface: left, displacement: [0, \"0.1*sin(t)\", 0]}]"),

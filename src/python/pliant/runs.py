@@ -216,9 +216,11 @@ def changes_of(overrides: "Optional[Mapping[str, Any]]") -> "list[tuple[str, str
     """Keys of the input and what is put there, in YAML."""
     if overrides is not None and not isinstance(overrides, Mapping):
         raise InputError(f"values of the input: a dictionary is expected, such as {{'time.step': '5 ms'}}, not {short(overrides)}")
-    for key in overrides or {}:
+    for key, value in (overrides or {}).items():
         if not isinstance(key, str):
             raise InputError(f"a key of the input is a text, such as 'time.step' or 'loads.0.gravity', not {short(key)}")
+        if isinstance(value, (float, np.floating)) and not np.isfinite(value):
+            raise InputError(f"set {key}: a finite number is expected, not {value}")
     return [(key, _flow(value)) for key, value in (overrides or {}).items()]
 
 

@@ -309,6 +309,9 @@ class Simulation:
         if not isinstance(key, (str, Mapping)):
             raise InputError(f"a key of the input is a text, such as 'time.step' or 'loads.0.gravity', not {short(key)}")
         changes = changes_of(key if isinstance(key, Mapping) else {key: value})
+        for changed, text in changes:
+            if text.strip() in ("", "~", "null"):
+                raise InputError(f"set {changed}: a value is expected, not nothing; what is not to act any more is set to 0")
         with self._calls() as core:
             core.set(changes)
 
