@@ -373,6 +373,9 @@ class Convert(ConvertTest):
             line = 1 + next(k for k, content in enumerate(lines) if content.startswith("cube1, CENTRIF" if "CENTRIF" in card else card))
             self.assertIn(f"warning: cubes.inp:{line}: {card}", said)
             self.assertIn(f"#   cubes.inp:{line}: {card}", text)
+        self.assertRegex(said, r"\*PLASTIC: left out; pliant convert does not know this keyword\n")
+        _, said = self.convert("typo.inp", abaqus_cubes(["*ELASTC, TYPE=ISO\n1e6, 0.3\n"], "*STATIC\n"))
+        self.assertIn("*ELASTC, TYPE=ISO: left out; pliant convert does not know this keyword (did you mean *ELASTIC?)", said)
         model = febio_cubes([("trans iso Mooney-Rivlin", "<c1>1</c1>")], "").replace("<Loads>", '<Contact><contact type="sticky"/></Contact><Loads>')
         _, said = self.convert("cubes.feb", model)
         self.assertIn("the law 'trans iso Mooney-Rivlin' is not supported", said)
@@ -640,6 +643,15 @@ class Steps(ConvertTest):
             self.fails(amplitude(data), rf"cubes.inp:\d+: {words}")
         _, said = self.convert("cubes.inp", amplitude("0, 0, 1, 1", ", VALUE=ABSOLUTE"))
         self.assertIn("*AMPLITUDE, VALUE=ABSOLUTE: write its formula of t", said)
+
+    def test_a_model_without_steps_is_static(self):
+        model = abaqus_cubes(["*HYPERELASTIC, NEO HOOKE\n1e5, 2e-5\n"], "", "*AMPLITUDE, NAME=ramp\n0., 0., 1., 1.\n*DSLOAD, AMPLITUDE=ramp\nend1, P, 10.\n")
+        _, said = self.convert("cubes.inp", model.replace("*STEP, NLGEOM\n*END STEP\n", ""))
+        self.assertIn("no step is static or dynamic: the input is static", said)
+        made = yaml.safe_load((self.directory / "cubes.yaml").read_text())
+        self.assertEqual(made["time"], {"method": "static"})
+        self.assertEqual(made["loads"][0]["pressure"], 10)
+        self.pliant("check", "cubes.yaml")
 
     def test_static_steps_do_not_relax(self):
         """They have the moduli of fast motion, or at rest with LONG TERM; what damps motion has no effect."""

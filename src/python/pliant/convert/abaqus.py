@@ -1,4 +1,5 @@
 """Reads an input file of Abaqus or CalculiX."""
+import difflib
 import os
 
 from .abaqus_assembly import assembled, has_several_instances
@@ -21,6 +22,12 @@ WITHOUT_EFFECT = {"ORIENTATION", "SHELLSECTION", "BEAMSECTION", "MEMBRANESECTION
 STRUCTURE = {"PART", "ENDPART", "INSTANCE", "ENDINSTANCE", "ASSEMBLY", "ENDASSEMBLY", "STEP", "ENDSTEP"}
 FIRST = {"NODE": 0, "ELEMENT": 1, "SOLIDSECTION": 3}
 OTHERS = 2  # their place
+# The most frequent keywords that are read, for what is misspelt.
+READ = {title.replace(" ", "").lstrip("*"): title for title in (
+    "*NODE", "*ELEMENT", "*NSET", "*ELSET", "*SURFACE", "*MATERIAL", "*DENSITY", "*ELASTIC", "*HYPERELASTIC", "*VISCOELASTIC", "*EXPANSION", "*DAMPING",
+    "*SOLID SECTION", "*AMPLITUDE", "*BOUNDARY", "*STEP", "*END STEP", "*STATIC", "*DYNAMIC", "*VISCO", "*CLOAD", "*DLOAD", "*DSLOAD", "*TEMPERATURE",
+    "*INITIAL CONDITIONS", "*CONTACT PAIR", "*SURFACE INTERACTION", "*SURFACE BEHAVIOR", "*FRICTION", "*TIE", "*EQUATION", "*TRANSFORM", "*COUPLING",
+    "*KINEMATIC", "*DISTRIBUTING", "*RIGID BODY", "*PART", "*INSTANCE", "*ASSEMBLY", "*HEADING", "*INCLUDE")}
 CONTROLS = {"CONTROLS", "SOLVERCONTROLS", "HOURGLASSSTIFFNESS", "SECTIONCONTROLS"}
 
 
@@ -62,8 +69,7 @@ def read(file, diagnostics):
         elif card.keyword in CONTROLS:
             controls.append(card)
         else:
-            parameters = "".join(f", {name}{'=' + value if value else ''}" for name, value in card.parameters.items())
-            (diagnostics.omit if card.keyword in WITHOUT_EFFECT else diagnostics.missing)(card.line, card.title + parameters)
+            leave_out(card, diagnostics)
     mesh.finish()
     for cards, text in ((output, "requests of output: `output` and `probes` of the input"), (controls, "controls of the solver: `solver` of the input")):
         if cards:
@@ -82,6 +88,16 @@ def read(file, diagnostics):
     contact.finish()
     conditions.finish(nonlinear, material_of)
     return model
+
+
+def leave_out(card, diagnostics):
+    """A keyword that nothing reads."""
+    said = card.title + "".join(f", {name}{'=' + value if value else ''}" for name, value in card.parameters.items())
+    if card.keyword in WITHOUT_EFFECT:
+        diagnostics.omit(card.line, f"{said}: left out; the input is the same without it")
+        return
+    near = difflib.get_close_matches(card.keyword, READ, 1, 0.9)  # *PLASTIC is not meant to be *ELASTIC
+    diagnostics.missing(card.line, f"{said}: left out; pliant convert does not know this keyword" + (f" (did you mean {READ[near[0]]}?)" if near else ""))
 
 
 def add_body(model, name, card, materials, analysis, finished, diagnostics):

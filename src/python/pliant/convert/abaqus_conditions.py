@@ -217,7 +217,7 @@ class AbaqusConditions:
         if steps.kind is None:
             self.diagnostics.note(None, "no step is static or dynamic: the input is static")
         relaxes = any(body.viscosity for body in self.model.bodies)
-        self.is_one_state = steps.kind != "dynamic" and not (nonlinear or relaxes or self.model.contact.is_there) and steps.num_steps <= 1 and not steps.has_amplitudes
+        self.is_one_state = steps.kind is None or steps.kind == "static" and not (nonlinear or relaxes or self.model.contact.is_there) and steps.num_steps <= 1 and not steps.has_amplitudes
         if self.is_one_state:
             self.model.time = {"method": "static"}
         else:
@@ -289,7 +289,7 @@ class AbaqusConditions:
             inside = self.in_elements(target, self.forces.rows(target), references, "*CLOAD")
             if component > 2:
                 if inside:
-                    self.diagnostics.missing(self.lines[target], "*CLOAD: a moment on nodes of solid elements")
+                    self.diagnostics.missing(self.lines[target], "*CLOAD: left out; nodes of solid elements take forces and no moment")
                 continue
             name = target if isinstance(target, str) else ""
             for row in inside:

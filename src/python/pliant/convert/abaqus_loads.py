@@ -58,7 +58,7 @@ class DistributedLoads:
             elif label in ("BX", "BY", "BZ"):
                 self.change(card, line, ("B", on, "XYZ".index(label[1])), value, self.elements(on, line))
             else:
-                self.diagnostics.missing(line, f"{card.title} of the type {label}")
+                self.diagnostics.missing(line, f"{card.title} of the type {label}: left out; loads of this type have no counterpart")
 
     def direction(self, entries, line):
         direction = [real(entries, k, line, self.diagnostics, "the direction") for k in (3, 4, 5)]
