@@ -342,6 +342,11 @@ std::vector<Diagnostic> notes_of_idle_keys(const Config& config) {
   const bool has_velocity = !is_zero(config.initial.velocity);
   if (analysis == Analysis::quasistatic) note_if(has_velocity, "the initial velocity has");
   if (!is_static) return notes;
+  const TimeConfig& time = config.time;
+  if (time.step > 0.0 && time.step < time.end && time.load_steps == 1 && !time.path) {
+    notes.push_back(note(fmt::format("'step' has {}; 'load_steps: {:.0f}' applies the loads in as many parts", nothing,
+                                     std::ceil(time.end / time.step - 1e-9))));
+  }
   note_if(has_viscosity(config), "viscosity has");
   note_if(has_dashpots(config), "dashpots have");
   note_if(std::ranges::any_of(config.springs, [](const SpringConfig& s) { return s.damping > 0.0; }),
