@@ -81,7 +81,7 @@ void check_bodies(const Config& config, const InputNode& root, Diagnostics& diag
                         numbered("bodies", i) + " is rigid: remove '" + std::string(key) + "', or say 'rigid: false'");
       }
     } else if (!elasticity && given(entry(root, "bodies", i), {"elasticity"}) == nullptr) {
-      diagnostics.add({bodies[i].where, {"elasticity"}}, bodies[i].where,
+      diagnostics.add({bodies[i].where, {"elasticity", "rigid"}}, bodies[i].where,
                       "missing key 'elasticity' in " + numbered("bodies", i));
     }
     if (active && active->fibre.empty() && elasticity && elasticity->directions.empty()) {
@@ -213,6 +213,7 @@ void check_barrier(const Config& config, const InputNode& contact, Diagnostics& 
 /// A surface that passes into itself has no inside.
 void check_self_contact(const Config& config, Diagnostics& diagnostics) {
   for (const ContactPairConfig& pair : config.contact->pairs.list) {
+    if (pair.part.value.empty()) continue;  // an error already
     if (pair.with || config.contact->law_of(&pair) == NormalKind::barrier) continue;
     diagnostics.add(pair.where,
                     "contact of a part with itself needs 'law: barrier': a penalty lets surfaces pass into "

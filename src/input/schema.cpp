@@ -370,7 +370,10 @@ bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& s
       diagnostics.add(node.where,
                       "the input must be a map of keys such as 'mesh:' and 'time:', not " + description(node));
     } else {
-      refuse(node, name, "a map of keys such as '" + section.children.front().key + ":'", diagnostics);
+      const auto is_required = [](const KeyInfo& key) { return key.need == KeyInfo::Need::required; };
+      const auto first = std::ranges::find_if(section.children, is_required);
+      const KeyInfo& such_as = first == section.children.end() ? section.children.front() : *first;
+      refuse(node, name, "a map of keys such as '" + such_as.key + ":'", diagnostics);
     }
     return false;
   }

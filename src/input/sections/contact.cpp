@@ -1,6 +1,9 @@
 #include "input/sections/contact.hpp"
 
+#include "base/text.hpp"
 #include "input/alternatives.hpp"
+
+#include <algorithm>
 
 namespace pliant {
 namespace {
@@ -141,6 +144,28 @@ Section<ContactPairConfig> pair_keys() {
   return {std::move(keys), {}, &P::where};
 }
 
+/// `[finger, ball]`, which names the two of a pair.
+bool are_two_names(const InputNode& node) {
+  return node.kind == InputNode::Kind::list && node.children.size() == 2 &&
+         std::ranges::all_of(node.children, [](const InputNode& n) { return n.kind == InputNode::Kind::scalar; });
+}
+
+/// Reports pairs that are lists of names. Returns whether there are any.
+bool refuse_names(const InputNode& pairs, const std::string& key, Diagnostics& diagnostics) {
+  const auto refuse = [&](const InputNode& two) {
+    diagnostics.add(two.where, "a pair of '" + key + "' is a map, here {surface: " + excerpt(two.children[0].text) +
+                                   ", with: " + excerpt(two.children[1].text) + "}");
+  };
+  if (are_two_names(pairs)) {
+    refuse(pairs);
+    return true;
+  }
+  for (const InputNode& entry : pairs.children) {
+    if (are_two_names(entry)) refuse(entry);
+  }
+  return std::ranges::any_of(pairs.children, are_two_names);
+}
+
 Format<ContactPairsConfig> pairs_of_bodies() {
   const auto word = choice({"all"});
   const auto list = list_of(map_of(pair_keys()), 1);
@@ -148,7 +173,12 @@ Format<ContactPairsConfig> pairs_of_bodies() {
       "`all`, or a " + list.type, either_schema(word.schema, list.schema), {}, {}, list.children, list.groups};
   format.read = [word, list](const InputNode& node, const std::string& key, Diagnostics& diagnostics,
                              ContactPairsConfig& into) {
-    if (node.kind == InputNode::Kind::list) return list.read(node, key, diagnostics, into.list);
+    if (node.kind == InputNode::Kind::list) {
+      return !refuse_names(node, key, diagnostics) && list.read(node, key, diagnostics, into.list);
+    }
+    if (node.kind == InputNode::Kind::scalar && node.text != "all") {
+      return refuse(node, key, "'all' or a list such as [{surface: finger, with: ball}]", diagnostics);
+    }
     std::string all;
     into.all = word.read(node, key, diagnostics, all);
     return into.all;
