@@ -31,6 +31,12 @@ function triples(history, suffixes) {
     .filter((stem) => stem && suffixes.every((s) => history.has(stem + s)));
 }
 
+/// Whether an obstacle's force on its only body is that of the obstacle, which is among the names.
+function isRepeated(history, name, names, suffixes) {
+  return names.some((whole) => name.startsWith(`${whole}_`) &&
+    suffixes.every((s) => history.get(name + s).every((value, k) => value === history.get(whole + s)[k])));
+}
+
 /// Columns of tendons, springs, joints and motors: their ending, the title over them, their unit; `with`: the ending of another column
 /// that their joint has.
 const MECHANISMS = [
@@ -69,10 +75,14 @@ function* plotsOf(history, { isStatic, taken }) {
     const isBody = history.has(`${probe}_qw`);  // a rigid body has a rotation, too
     if (lines.length) yield { title: `${isBody ? "Body" : "Probe"} ${probe}`, note: `${isBody ? "center " : ""}moved from the start`, unit: "m", lines };
   }
+  // What a solver's tolerance leaves where forces balance, as on a closed chamber: they do no such work over a metre.
+  const least = 1e-7 * Math.max(0, ...["elastic_energy", "load_work", "support_work"].filter((n) => history.has(n)).map((n) => largest(history.get(n))));
   for (const [suffixes, what, unit] of [[["_fx", "_fy", "_fz"], "Force at", "N"], [["_tx", "_ty", "_tz"], "Torque at", "N m"]]) {
-    for (const name of triples(history, suffixes)) {
+    const names = triples(history, suffixes);
+    for (const name of names) {
       const lines = varying(suffixes.map((s, i) => ["xyz"[i], history.get(name + s), i]));
-      if (lines.length) yield { title: `${what} ${name}`, unit, lines };
+      if (isRepeated(history, name, names, suffixes) || !lines.some(([, values]) => extent(values) > least)) continue;
+      yield { title: `${what} ${name}`, unit, lines };
     }
   }
   for (const name of [...history.keys()].filter((n) => n.endsWith("_pressure") && history.has(n.replace(/_pressure$/, "_volume")))) {

@@ -42,6 +42,16 @@ class Pictures(ProgramTest):
         self.assertEqual(styles, {"elastic energy": "-", "load work": "--"})
         plot.plt.close(figure)
 
+    def test_forces_that_balance_are_not_drawn(self):
+        sys.path.insert(0, str(ROOT / "src/python"))
+        from pliant.pictures import plot  # which needs matplotlib
+        time = np.linspace(0, 1, 5)
+        for force, is_drawn in ((1e-10, False), (1e-6, True)):  # what a tolerance of 1e-8 leaves of 8 N on the walls of a chamber
+            history = {"time": time, "elastic_energy": 9e-3 * time**2, "load_work": 9e-3 * time**2} | {f"mount_f{axis}": force * time for axis in "xyz"}
+            figure = plot.draw(history, "", {})
+            self.assertEqual(any(axes.get_title().startswith("Forces") for axes in figure.axes), is_drawn)
+            plot.plt.close(figure)
+
     def test_a_result_and_a_history_are_drawn(self):
         synthetic.write_result(self.out, num_frames=2, cubes=(3, 1, 1))
         synthetic.write_history(self.out, num_steps=5)

@@ -376,6 +376,32 @@ output: {fields: [displacement, von_mises_stress, FIELD]}
             self.assertLess(time.monotonic(), end)
             time.sleep(0.1)
 
+    def test_forces_that_balance_are_not_plotted(self):
+        """A closed chamber pulls at its mount by rounding alone; the force on an obstacle's only body is that of the obstacle."""
+        self.write("hollow.geo", """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 1, 1, 1}; Box(2) = {0.3, 0.3, 0.3, 0.4, 0.4, 0.4};
+BooleanDifference(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
+e = 1e-6;
+Physical Volume("body") = {3};
+Physical Surface("mount") = Surface In BoundingBox {-e, -e, 1-e, 1+e, 1+e, 1+e};
+Physical Surface("inside") = Surface In BoundingBox {0.3-e, 0.3-e, 0.3-e, 0.7+e, 0.7+e, 0.7+e};
+Mesh.MeshSizeMax = 0.4;
+""")
+        text = """mesh: {file: hollow.geo}
+bodies: [{volume: body, elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.4}}]
+constraints: [{surface: mount, displacement: [0, 0, 0]}]
+cavities: [{name: inside, surface: inside, pressure: 20 kPa}]
+time: {method: static, load_steps: 2}
+"""
+        floor = "contact: {obstacles: [{name: floor, shape: plane, point: [0, 0, -0.001], normal: [0, 0, 1]}]}\n"
+        for more, expected in (("", set()), (floor, {"Force at mount", "Torque at mount", "Force at floor"})):
+            self.run_input(self.write("hollow.yaml", text + more), output="hollow")
+            self.assertEqual(self.call("report", self.directory / "hollow").returncode, 0)
+            browser = self.open(page=self.directory / "hollow/report.html")
+            titles = browser.evaluate("[...document.querySelectorAll('#plots figure')].map(e => e.textContent)")
+            found = {title.split(" [")[0].strip() for title in titles if title.strip().startswith(("Force at", "Torque at"))}
+            self.assertEqual(found, expected)
+
     def test_fibres_and_vessels(self):
         """A fibre is not a body; walls of an obstacle that bodies are inside of hide nothing; a field that is 0 has one number."""
         self.write("bar.geo", """SetFactory("OpenCASCADE");
