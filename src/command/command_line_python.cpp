@@ -97,7 +97,7 @@ void CommandLine::add_plot() {
   plot.footer(examples({"pliant plot out/beam", "pliant plot out/beam --output beam.pdf",
                         "pliant plot out/finger --of chamber_pressure --x chamber_volume"}));
   add(plot, {{"-o,--output", "FILE", "file to write (.png, .pdf, .svg); default: history.png in the output directory"},
-             {"--of", "COLUMN,...", "columns of the history to draw instead; those of one unit together"},
+             {"--of", "COLUMN,...", "columns of the history to draw instead; those of one unit together", true},
              {"--x", "COLUMN",
               "the column to draw those over, instead of time: pressure over volume, force over displacement"}});
 }

@@ -64,6 +64,9 @@ class Pictures(ProgramTest):
         with Image.open(self.out / "history.png") as picture:
             self.assertGreater(len(np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0)), 100)
         self.pliant("plot", "out", "--of", "kinetic_energy,elastic_energy", "--x", "dt", "--output", "chosen.svg")
+        self.pliant("plot", "out", "--of", "kinetic_energy", "--of", "elastic_energy", "--x", "dt", "--output", "repeated.svg")
+        undated = [re.sub(r"<dc:date>.*</dc:date>|(?<=[#\"])[mpC][0-9a-z_]{6,}", "", (self.directory / file).read_text()) for file in ("chosen.svg", "repeated.svg")]
+        self.assertEqual(*undated)
         drawn = (self.directory / "chosen.svg").read_text()
         for words in ("<!-- kinetic energy -->", "<!-- elastic energy -->", "<!-- dt [s] -->", "<!-- [J] -->"):
             self.assertIn(words, drawn)

@@ -319,7 +319,7 @@ def parser_of(program):
     parser = Parser(prog=program, description=__doc__)
     parser.add_argument("result", help="the output directory of a run, or its history.csv")
     parser.add_argument("-o", "--output", help="file to write (.png, .pdf, .svg); default: history.png in the output directory")
-    parser.add_argument("--of", metavar="COLUMN,...", help="columns of the history to draw instead; those of one unit together")
+    parser.add_argument("--of", metavar="COLUMN,...", action="append", help="columns of the history to draw instead; those of one unit together")
     parser.add_argument("--x", metavar="COLUMN", help="the column to draw those over, instead of time: pressure over volume, force over displacement")
     return parser
 
@@ -332,9 +332,10 @@ def main(arguments, program):
         history = History(options.result)
         directory = os.path.dirname(os.path.abspath(history.file))
         file = options.output or os.path.join(directory, "history.png")
-        columns = [] if options.of is None else [name.strip() for name in options.of.split(",")]
+        of = None if options.of is None else ",".join(options.of)
+        columns = [] if of is None else [name.strip() for name in of.split(",")]
         if not all(columns):
-            raise PliantError(f"--of '{options.of}': a name is missing; columns are separated by commas, as in --of tip_z,kinetic_energy")
+            raise PliantError(f"--of '{of}': a name is missing; columns are separated by commas, as in --of tip_z,kinetic_energy")
         for option, names in (("of", columns), ("x", [options.x] if options.x else [])):
             for name in names:
                 require(history, option, name)
