@@ -1,5 +1,6 @@
 #include "study/fit_data.hpp"
 
+#include "base/file.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 
@@ -134,6 +135,13 @@ class Table {
 
   std::vector<FoundColumn> columns_of(const std::vector<Cell>& header, int line,
                                       std::span<const std::vector<ColumnForm>> wanted) {
+    if (header.size() == 1 && header[0].text.find_first_of(";\t") != std::string::npos) {
+      fail(line, 1,
+           fmt::format("the header '{}' is a single column; columns are separated by ',' and a decimal point is "
+                       "written '.'",
+                       excerpt(header[0].text)));
+      throw InputError(std::move(errors_));  // every row would say it again
+    }
     std::vector<FoundColumn> found;
     for (const auto& forms : wanted) {
       if (const auto column = column_of(header, line, forms)) found.push_back(*column);
@@ -225,8 +233,9 @@ std::vector<std::vector<double>> read_measurements(const std::string& file, cons
                                                    std::span<const std::vector<ColumnForm>> wanted) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream || is_directory(file)) {
-    throw InputError(named, fmt::format("'data': cannot read '{}'; give the path of a CSV file, relative to this file",
-                                        excerpt(file, 200)));
+    throw InputError(named,
+                     fmt::format("'data': cannot read '{}'{}; give the path of a CSV file, relative to this file",
+                                 excerpt(file, 200), similar_file(file)));
   }
   return Table(file).read(stream, wanted);
 }

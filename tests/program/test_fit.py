@@ -371,6 +371,7 @@ tests: [{kind: uniaxial, data: good.csv}]
 BAD = {
     "unknown key": (GOOD + "@bound: {}\n", "did you mean 'bounds'"),
     "no such table": (GOOD.replace("good.csv", "@absent.csv"), "cannot read '.*absent.csv'"),
+    "a misspelt table": (GOOD.replace("good.csv", "@godo.csv"), "cannot read '.*godo.csv' .did you mean 'good.csv'"),
     "a directory": (GOOD.replace("good.csv", "@."), "cannot read"),
     "unknown law": (GOOD.replace("neo-hookean", "@neohookean"), "did you mean 'neo-hookean'"),
     "a law with fibres": (GOOD.replace("neo-hookean", "@guccione"), "must be one of"),
@@ -404,6 +405,7 @@ BAD_TABLES = {
     "misspelt column": ("@strech,stress\n1.5,2\n", "did you mean 'stretch'"),
     "wrong unit": ("stretch,@stress [mm]\n1.5,2\n", "mm"),
     "not a number": ("stretch,stress\n1.5,2\n1.6, @2 MPa\n", "is not a number; units stand in the header"),
+    "semicolons": ("@stretch;stress\n1,5;2\n1,6;3\n", "'stretch;stress' is a single column; columns are separated by ','"),
     "decimal commas": ("stretch,stress\n@1,5,2\n", "this row has 3 values"),
     "nothing": ("# only a comment\n", "empty"),
     "no rows": ("stretch,stress\n", "no rows"),
