@@ -204,9 +204,14 @@ std::string draw_axes(const Axes& axes, const std::string& x_label, const std::s
                            middle, xml_escaped(with_superscripts(y_label)));
 }
 
-std::size_t num_letters(const std::string& utf8) {
-  return static_cast<std::size_t>(
-      std::count_if(utf8.begin(), utf8.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+double text_width(const std::string& utf8) {
+  double width = 0.0;
+  for (const char c : utf8) {
+    if ((static_cast<unsigned char>(c) & 0xC0) == 0x80) continue;  // a letter's first byte counts
+    const auto is_in = [c](std::string_view letters) { return letters.find(c) != std::string_view::npos; };
+    width += is_in("ijlI.,:;()|! '[]/-") ? 4.7 : is_in("mwMW%@=+<>~GOQ") ? 11.9 : 'A' <= c && c <= 'Z' ? 9.3 : 7.7;
+  }
+  return width;
 }
 
 std::string svg_head(double width, double height, const std::string& title, const std::string& description) {

@@ -12,7 +12,6 @@ enum class Scale { logarithmic, linear };
 /// Size of the drawing area and where it is in the document [px].
 namespace svg_frame {
 inline constexpr double left = 84, top = 52, width = 560, height = 400, right = left + width, bottom = top + height;
-inline constexpr double letter_width = 6.8;  // of a text, at most
 }  // namespace svg_frame
 
 /// Limits of an axis, in axis coordinates: decimal logarithms on a logarithmic one.
@@ -70,8 +69,8 @@ std::string svg_text(double x, double y, const std::string& style, const std::st
 /// Axes with the lines of their grid, and their labels.
 std::string draw_axes(const Axes& axes, const std::string& x_label, const std::string& y_label);
 
-/// How many letters a text has, which are not bytes.
-std::size_t num_letters(const std::string& utf8);
+/// The width of a text of 12 px in DejaVu Sans, the widest of the fonts, or a little more [px].
+double text_width(const std::string& utf8);
 
 /// The document up to its first picture element: `description` is for those who do not see the picture.
 std::string svg_head(double width, double height, const std::string& title, const std::string& description);

@@ -146,9 +146,9 @@ class Drawing {
 
   std::string document() const {
     const auto ticks = ticks_of(range_, Scale::linear);
-    std::size_t longest = num_letters(map_.value_label);
-    for (const AxisTick& tick : ticks) longest = std::max(longest, 4 + num_letters(tick.label));
-    const double width = std::ceil(bar_left + svg_frame::letter_width * static_cast<double>(longest) + 24);
+    double longest = 13.0 / 12.0 * text_width(map_.value_label);  // a label has 13 px
+    for (const AxisTick& tick : ticks) longest = std::max(longest, 30 + text_width(tick.label));
+    const double width = std::ceil(bar_left + longest + 24);
     std::string out = svg_head(width, svg_frame::bottom + 64, map_.title, description());
     out += svg_text(svg_frame::left, svg_frame::top - 20, "heading", map_.title);
     const std::string axes = draw_axes(axes_, map_.x_label, map_.y_label);

@@ -235,9 +235,9 @@ std::string draw_order(const SlopeTriangle& triangle, const Axes& axes) {
 }
 
 double width_of(const std::vector<Curve>& curves) {
-  std::size_t longest = 0;
-  for (const Curve& curve : curves) longest = std::max(longest, num_letters(curve.name));
-  return std::ceil(legend_left + 38 + svg_frame::letter_width * static_cast<double>(longest) + 16);
+  double longest = 0.0;
+  for (const Curve& curve : curves) longest = std::max(longest, text_width(curve.name));
+  return std::ceil(legend_left + 38 + longest + 16);
 }
 
 /// A description in words, for those who do not see the picture.

@@ -115,6 +115,16 @@ TEST(SvgPlot, ShowsEverySeriesInsideTheFrameAndInTheLegend) {
   EXPECT_NE(picture.find("dirk33: 5 points of mean slope 3.00"), std::string::npos) << "in words too";
 }
 
+TEST(SvgPlot, HasRoomForTheNamesInItsLegend) {
+  Plot plot = study();
+  plot.series.front().name = "01_mu1=100_kPa,size=8_mm";
+  constexpr double measured = 182.5;  // in DejaVu Sans of 12 px
+  const auto width = all_matches(svg(plot), R"re(<svg [^>]*width="([0-9]+)")re");
+  const auto name = all_matches(svg(plot), R"re(<text x="([0-9.]+)"[^>]*>01_mu1)re");
+  ASSERT_EQ(name.size(), 1u);
+  EXPECT_GT(std::stod(width.front()[1]) - std::stod(name.front()[1]), measured);
+}
+
 /// A power law is a straight line, and all are drawn to the same scale.
 TEST(SvgPlot, PlacesPointsByTheirLogarithms) {
   const Plot plot = study();
