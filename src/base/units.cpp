@@ -48,6 +48,7 @@ constexpr std::array dimensions{
     Dimension{"m^3", "a volume"},
     Dimension{"m^3/s", "a volume flow"},
     Dimension{"1/s", "a frequency"},
+    Dimension{"Hz", "a frequency"},
     Dimension{"N/m", "a stiffness"},
     Dimension{"K", "a temperature"},
     Dimension{"1", "a pure number"},

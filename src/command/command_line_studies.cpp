@@ -1,5 +1,6 @@
 // The commands that take many runs: sweeps, comparisons, derivatives and fits.
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "command/command_help.hpp"
 #include "command/command_line.hpp"
 #include "petsc/session.hpp"
@@ -100,10 +101,18 @@ void CommandLine::add_modes() {
       ->type_name("N")
       ->capture_default_str();
   modes->add_option("--near", arguments_.modes.near, "a frequency [Hz]: the modes nearest to it, not the lowest")
-      ->check([](const std::string& text) {
-        return std::string(parse_number(text).value_or(0.0) > 0.0 ? ""
-                                                                  : "a frequency above 0 Hz is expected, not " + text);
-      })
+      ->transform(CLI::Validator(
+          [](std::string& text) -> std::string {
+            try {
+              const double frequency = parse_quantity(text, "Hz");
+              if (!(frequency > 0.0)) return "a frequency above 0 Hz is expected, not " + text;
+              text = fmt::format("{}", frequency);
+              return {};
+            } catch (const UnitError& error) {
+              return error.what();
+            }
+          },
+          ""))
       ->type_name("FREQUENCY");
   modes->add_flag("--unloaded", arguments_.modes.is_unloaded,
                   "about the undeformed state; otherwise, if time.method is static, about the equilibrium under load");

@@ -105,6 +105,8 @@ class Modes(ProgramTest):
         near = self.modes(file, "--number", "2", "--near", str(lowest[5] * 1.001))["frequency"]
         self.assertTrue(all(np.isclose(f, lowest[4:8], rtol=1e-7).any() for f in near), (near, lowest))
         self.assertTrue(np.isclose(near, lowest[5], rtol=1e-7).any())
+        in_kilohertz = self.modes(file, "--number", "2", "--near", f"{1.001e-3 * lowest[5]} kHz")["frequency"]
+        np.testing.assert_allclose(in_kilohertz, near, rtol=1e-7)
 
     def test_a_bar_that_nothing_holds(self):
         """Six rigid motions, first the translations along x, y, z, then the bending of a free beam; the same on 1, 2 and 3 ranks."""
@@ -280,6 +282,7 @@ cavities: [{{name: air, surface: bottom, volume: 0.05, gas: {{pressure: 0, ambie
         held = self.bar(rest=CLAMP.replace("surface: left", "volume: body") + MOTION)
         self.assertIn("constraints hold everything that has a mass", self.pliant("modes", held, status=2, ranks=2).stderr)
         self.assertIn("a frequency above 0 Hz is expected", self.pliant("modes", held, "--near", "-3", status=2).stderr)
+        self.assertIn("'3 kg' is a mass, but a frequency", self.pliant("modes", held, "--near", "3 kg", status=2).stderr)
         pressed = self.bar(law="neo-hookean", nu=0.3, rest=CLAMP + "loads: [{surface: top, pressure: 10}]\ntime: {method: static}\n")
         refused = self.pliant("modes", pressed, status=2)
         self.assertIn("forces without a potential have no real modes: pressure", refused.stderr)
