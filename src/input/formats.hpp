@@ -51,12 +51,12 @@ Format<std::array<double, 3>> direction_of_any_length();
 /// A part of the mesh, selected as the kind says.
 Format<Selection> selection(Selection::Kind kind);
 
-/// A choice of names that stand for values.
+/// A choice of names that stand for values. `hint`: as of `choice`.
 template <class V>
-Format<V> choice_of(const std::vector<std::pair<std::string, V>>& values) {
+Format<V> choice_of(const std::vector<std::pair<std::string, V>>& values, const std::string& hint = "") {
   std::vector<std::string> names;
   for (const auto& v : values) names.push_back(v.first);
-  const Format<std::string> by_name = choice(names);
+  const Format<std::string> by_name = choice(names, hint);
   Format<V> format{by_name.type, by_name.schema, {}, {}};
   format.read = [values, by_name](const InputNode& node, const std::string& name, Diagnostics& diagnostics, V& into) {
     std::string chosen;

@@ -51,6 +51,8 @@ INSTANTIATE_TEST_SUITE_P(
             "'pairs' must be 'all' or a list such as [{surface: finger, with: ball}], not 'some'"},
         Bad{6, "contact: {pairs: [@[finger, ball], {surface: a, with: b}]}",
             "a pair of 'pairs' is a map, here {surface: finger, with: ball}"},
+        Bad{6, "joints: [{name: j, type: @revolute, between: [ground, a], point: [0, 0, 0], axis: [0, 0, 1]}]",
+            "not 'revolute' (revolute: 'hinge'; prismatic"},
         Bad{6, "contact: {pairs: @[finger, ball]}", "a pair of 'pairs' is a map, here {surface: finger, with: ball}"},
         Bad{6, "contact: {pairs: [@finger]}", "'pairs[0]' must be a map of keys such as 'surface:', not 'finger'"},
         Bad{6, "contact: {pairs: [{@master: finger, surface: ball, with: a}]}", "unknown key 'master' in pairs[0]"},

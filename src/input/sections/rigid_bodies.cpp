@@ -136,7 +136,10 @@ Section<JointConfig> joint_keys() {
   return {
       {
           field("name", &J::name, column_name(), "prefix of its columns in history.csv").required(),
-          field("type", &J::type, choice_of<JointType>({joint_types.begin(), joint_types.end()}),
+          field("type", &J::type,
+                choice_of<JointType>(
+                    {joint_types.begin(), joint_types.end()},
+                    " (revolute: 'hinge'; prismatic, translational: 'slider'; spherical: 'ball'; welded: 'fixed')"),
                 "fixed: no relative motion; ball: about `point`; hinge: about the axis; slider: along it; "
                 "cylindrical: both; universal: about `axis`, which moves with the first body, and `second_axis`, "
                 "which moves with the second; planar: in the plane across the axis; distance: of `point` on the "
