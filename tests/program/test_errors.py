@@ -174,6 +174,8 @@ DOUBTFUL = {
     "parts that pass through one another": ("output", 'initial: {velocity: ["-30*(x > 1.4)", 0, 0]}', "at t = 0.02 s two parts of 'body', which share no node, pass through"),
     "two cavities with the same walls": ("output", 'cavities: [{name: c, where: "x > -1", volume: 3, pressure: 1}, '
                                          '@{name: d, where: "x > -1", volume: 3, pressure: 1}]', "'c' and 'd' have 48 facets of their walls in common"),
+    "friction in percent": ("output", "contact: {stiffness: 1, obstacles: [{name: floor, shape: plane, normal: [0, 0, 1], friction: @60}]}",
+                            "a coefficient of friction of 60 is far above that of any materials .*; is 0.6 meant"),
     "a key without a value": ("output", "contact:\n  @friction:\n  stiffness: 1\n  obstacles: [{name: floor, shape: plane, normal: [0, 0, 1]}]",
                               "'friction' in contact has no value; it counts as not given"),
     "a section without a value": ("output", "output: {directory: out, @every: }", "'every' in output has no value"),

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 namespace pliant {
 namespace {
 
@@ -57,10 +59,27 @@ std::vector<Field<ContactPressureConfig>> pressure_keys() {
   };
 }
 
+/// Warns of what is probably a percentage.
+Format<double> coefficient_of_friction() {
+  constexpr double most = 10.0;  // rubber on rubber has 1 to 2, gels and adhesives up to 5
+  Format<double> format = quantity("1", Range::at_least(0));
+  format.read = [read = format.read](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
+                                     double& into) {
+    if (!read(node, name, diagnostics, into)) return false;
+    if (into > most) {
+      diagnostics.warn(node.where, fmt::format("a coefficient of friction of {:g} is far above that of any materials "
+                                               "(rubber: 1 to 2); is {:g} meant, which is {:g} %?",
+                                               into, into / 100.0, into));
+    }
+    return true;
+  };
+  return format;
+}
+
 std::vector<Field<ContactDragConfig>> drag_keys(const std::string& otherwise) {
   using D = ContactDragConfig;
   return {
-      field("friction", &D::friction, quantity("1", Range::at_least(0)), "Coulomb's coefficient of friction")
+      field("friction", &D::friction, coefficient_of_friction(), "Coulomb's coefficient of friction")
           .otherwise_in_words(otherwise),
       field("viscous_friction", &D::viscous_friction, quantity("s/m", Range::at_least(0)),
             "increase of the coefficient of friction per sliding velocity")
