@@ -205,7 +205,7 @@ void CommandLine::add_input(CLI::App& to) {
 }
 
 void CommandLine::add_output(CLI::App& to, const std::string& what) {
-  to.add_option("--output", arguments_.output, what)->check([](const std::string& name) {
+  to.add_option("-o,--output", arguments_.output, what)->check([](const std::string& name) {
     return std::string(name.empty() ? "the name is empty" : "");
   });
 }
@@ -280,7 +280,7 @@ void CommandLine::add_report() {
       ->required();
   report->add_option("OTHER", arguments_.report.other,
                      "another result, which is shown next to it with the same camera and time");
-  report->add_option("--output", arguments_.report.output,
+  report->add_option("-o,--output", arguments_.report.output,
                      "the file; default: report.html next to the result, of two results comparison.html");
   report
       ->add_option("--size", arguments_.report.megabytes,
@@ -405,7 +405,7 @@ void CommandLine::add_materials() {
                    "KEY=VALUE: a parameter of the law; the others are typical ones; may be repeated")
       ->allow_extra_args(false);
   plot->add_option("--stretch", arguments_.stretches, "the lowest and the highest stretch")->capture_default_str();
-  plot->add_option("--output", arguments_.output, "the SVG file; default: LAW.svg");
+  plot->add_option("-o,--output", arguments_.output, "the SVG file; default: LAW.svg");
   plot->callback([this] {
     command_ = [this] {
       plot_material_command(comm_, arguments_.file, arguments_.settings, arguments_.stretches, arguments_.output);

@@ -138,7 +138,7 @@ void CommandLine::add_compare() {
   compare->add_option("--of", arguments_.compare.columns, "columns of the histories; default: all but counts")
       ->delimiter(',')
       ->type_name("COLUMN,...");
-  compare->add_option("--output", arguments_.compare.output, "directory for compare.csv and the plots")
+  compare->add_option("-o,--output", arguments_.compare.output, "directory for compare.csv and the plots")
       ->capture_default_str()
       ->type_name("DIR");
   compare->callback([this] {

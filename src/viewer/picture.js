@@ -1,6 +1,7 @@
 // What is saved from the page: the picture with its legend, title and time, and a video of it.
 import { element } from "./elements.js";
 import { drawLegend } from "./legend.js";
+import { runName } from "./texts.js";
 import { webm } from "./webm.js";
 
 const CODECS = { "vp09.00.51.08": "V_VP9", vp8: "V_VP8" };
@@ -20,7 +21,7 @@ export class Picture {
   /// `second`: the other run on the page, or null.
   constructor({ report, view, panel, player, points, second }) {
     Object.assign(this, { view, panel, player, points, second, title: document.title });
-    this.run = second ? "comparison" : report.directory.split("/").filter(Boolean).at(-1) || "pliant";
+    this.run = second ? "comparison" : runName(report);
     this.canvas = document.createElement("canvas");
     this.pen = this.canvas.getContext("2d", { willReadFrequently: true });  // by the encoder
   }

@@ -27,6 +27,9 @@ export function showModelFacts({ title, result, model, program, written, directo
   place("made").textContent = `Made with ${program.split("\n")[0]} on ${written} from ${directory}`;
 }
 
+/// The name of the directory of a result.
+export const runName = ({ directory }) => directory.split("/").filter(Boolean).at(-1) || "pliant";
+
 /// Whether the frames are modes, whose label says which.
 const hasModes = ({ frames }) => frames.some((frame) => frame.label);
 
@@ -34,7 +37,7 @@ const OUTCOMES = { done: "done", interrupted: "interrupted", failed: "failed", u
 
 export function showFacts(report, history, isStatic) {
   const { title, result, summary } = report;
-  place("title").textContent = document.title = title || "Untitled run";
+  place("title").textContent = document.title = title || runName(report);
   const outcome = report.watch ? "running" : hasModes(result) ? "modes" : (summary?.outcome ?? "unfinished");
   const badge = place("outcome");
   badge.textContent = OUTCOMES[outcome] ?? outcome;

@@ -144,7 +144,7 @@ class ProgramTest(unittest.TestCase):
 
     def run_input(self, file, *settings, ranks=1, output="out", options=(), timeout=300):
         """Runs an input that must succeed; returns its history. `settings`: KEY.PATH=VALUE."""
-        arguments = ["run", file, "--quiet", "--output", output]
+        arguments = ["run", file, "--quiet", "-o", output]
         for setting in settings:
             arguments += ["--set", setting]
         done = self.call(*arguments, *(["--", *options] if options else []), ranks=ranks, timeout=timeout)

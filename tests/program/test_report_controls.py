@@ -398,6 +398,7 @@ time: {method: static, load_steps: 2}
             self.run_input(self.write("hollow.yaml", text + more), output="hollow")
             self.assertEqual(self.call("report", self.directory / "hollow").returncode, 0)
             browser = self.open(page=self.directory / "hollow/report.html")
+            self.assertEqual(browser.evaluate("document.title"), "hollow")  # without a title, that of the directory
             titles = browser.evaluate("[...document.querySelectorAll('#plots figure')].map(e => e.textContent)")
             found = {title.split(" [")[0].strip() for title in titles if title.strip().startswith(("Force at", "Torque at"))}
             self.assertEqual(found, expected)
