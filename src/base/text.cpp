@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <vector>
 
@@ -34,6 +35,26 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
     if ((byte(at + i) & 0xC0) != 0x80) return 0;
   }
   return length;
+}
+
+std::string without_underscores(std::string_view text) {
+  std::string result;
+  std::ranges::copy_if(text, std::back_inserter(result), [](char c) { return c != '_'; });
+  return result;
+}
+
+/// The candidate with the word in it, whatever its underscores, if there is one alone.
+std::optional<std::string> only_one_with(std::string_view word, std::span<const std::string> candidates) {
+  constexpr std::size_t fewest = 4;  // letters
+  const std::string part = without_underscores(word);
+  if (part.size() < fewest) return {};
+  std::optional<std::string> found;
+  for (const auto& candidate : candidates) {
+    if (without_underscores(candidate).find(part) == std::string::npos) continue;
+    if (found) return {};
+    found = candidate;
+  }
+  return found;
 }
 
 }  // namespace
@@ -68,7 +89,7 @@ std::optional<std::string> closest(std::string_view word, std::span<const std::s
     best = candidate;
     best_distance = distance;
   }
-  return best;
+  return best ? best : only_one_with(word, candidates);
 }
 
 std::string did_you_mean(std::string_view word, std::span<const std::string> candidates) {

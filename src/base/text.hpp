@@ -12,7 +12,7 @@ namespace pliant {
 /// alignment); a difference of upper and lower case alone costs nothing.
 int edit_distance(std::string_view a, std::string_view b);
 
-/// The candidate closest to a misspelt `word`; nothing if none is close.
+/// The candidate closest to a misspelt `word`, or else the only one that contains it; nothing if there is none.
 std::optional<std::string> closest(std::string_view word, std::span<const std::string> candidates);
 
 /// " (did you mean 'x'?)" for the candidates that continue the word after '_', or else the closest one; else empty.

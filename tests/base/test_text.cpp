@@ -27,6 +27,7 @@ TEST(DidYouMean, FindsTheNearKeyAndOnlyThat) {
   EXPECT_EQ(closest("poisson_ratio", keys), "poissons_ratio");
   EXPECT_EQ(closest("p1", keys), "P1");
   EXPECT_EQ(closest("colour", keys), std::nullopt);
+  EXPECT_EQ(closest("poisson", keys), "poissons_ratio");
   EXPECT_EQ(closest("", keys), std::nullopt);
   EXPECT_EQ(closest(std::string(100000, 'x'), keys), std::nullopt);
   EXPECT_EQ(did_you_mean("modle", keys), " (did you mean 'model'?)");
