@@ -40,16 +40,21 @@ ConstrainedProduct::ConstrainedProduct(Mat A, Mat W, Mat J, const std::vector<ch
   is_slave_row_ = of_all_rows(is_slave);
   is_tied_column_ = flags_of_columns(A, is_tied_row_);
   make_near(A);
-  W_rows_ = W_;
+  const std::vector<char> no_rows(is_tied_row_.size(), 0);
+  J_part_ = part_of(J_, no_rows);
+  if (has_two_steps_) W_part_ = part_of(W_, no_rows);
   multiply(MAT_INITIAL_MATRIX);
   make_pattern(A);
-  of_whole_product_ = K_from_product();
+  K_from_whole_product_ = K_from_product();
   if (!dense.empty()) {
-    make_sparse_rows(dense);
+    std::vector<char> is_dense = no_rows;
+    for (const RowsOfColumns& group : dense) {
+      for (const PetscInt row : group.rows) is_dense[static_cast<std::size_t>(row)] = 1;
+    }
+    W_part_ = part_of(W_, is_dense);
     multiply(MAT_INITIAL_MATRIX);
-    const auto is_zero = flags_of_columns(near_times_J_.get(), is_slave_row_);
     for (RowsOfColumns& rows : dense) {
-      dense_.emplace_back(std::move(rows), W_, near_times_J_.get(), pattern_.get(), is_zero);
+      dense_.emplace_back(std::move(rows), W_, near_times_J_.get(), pattern_.get());
     }
   }
   K_from_product_ = K_from_product();
@@ -57,26 +62,51 @@ ConstrainedProduct::ConstrainedProduct(Mat A, Mat W, Mat J, const std::vector<ch
   find_diagonal();
 }
 
+ConstrainedProduct::Part ConstrainedProduct::part_of(Mat matrix, const std::vector<char>& is_left_out) const {
+  const auto is_slave_column = flags_of_columns(matrix, is_slave_row_);
+  const MatrixRows own(matrix, 0), others(matrix, 1);
+  const std::array parts{&own, &others};
+  const auto is_wanted = [&](std::size_t p) {
+    return [&, p](PetscInt row, PetscInt k) {
+      return !is_left_out[static_cast<std::size_t>(row)] &&
+             !is_slave_column[p][static_cast<std::size_t>(parts[p]->local_column(k))];
+    };
+  };
+  std::vector<PetscInt> offsets{0}, columns;
+  for (PetscInt row = 0; row < own.size(); ++row) {
+    const auto first = static_cast<std::ptrdiff_t>(columns.size());
+    for (std::size_t p = 0; p < 2; ++p) {
+      for (PetscInt k = parts[p]->begin(row); k < parts[p]->end(row); ++k) {
+        if (is_wanted(p)(row, k)) columns.push_back(parts[p]->column(k));
+      }
+    }
+    std::sort(columns.begin() + first, columns.end());
+    offsets.push_back(static_cast<PetscInt>(columns.size()));
+  }
+  Part result{make_zero_matrix(matrix, offsets, columns), {}};
+  for (std::size_t p = 0; p < 2; ++p) {
+    result.from_whole[p] = parts[p]->runs(MatrixRows(result.matrix.get(), p), is_wanted(p));
+  }
+  return result;
+}
+
 // Rows of K: the entries that are copied, those of the product, and the diagonal.
 void ConstrainedProduct::make_pattern(Mat A) {
-  const auto is_slave_column = flags_of_columns(product_.get(), is_slave_row_);
   std::vector<PetscInt> offsets{0}, columns, row_of_K;
   PetscInt first = 0;
   check(MatGetOwnershipRange(A, &first, nullptr));
   const MatrixRows own(A, 0), others(A, 1), own_product(product_.get(), 0), others_product(product_.get(), 1);
   const std::array of_A{&own, &others}, of_product{&own_product, &others_product};
   for (PetscInt row = 0; row < own.size(); ++row) {
-    const auto i = static_cast<std::size_t>(row);
     row_of_K.assign(1, first + row);
     for (std::size_t p = 0; p < 2; ++p) {
       for (PetscInt k = of_A[p]->begin(row); k < of_A[p]->end(row); ++k) {
         const auto column = static_cast<std::size_t>(of_A[p]->local_column(k));
-        if (!is_tied_row_[i] && !is_tied_column_[p][column]) row_of_K.push_back(of_A[p]->column(k));
+        if (!is_tied_row_[static_cast<std::size_t>(row)] && !is_tied_column_[p][column])
+          row_of_K.push_back(of_A[p]->column(k));
       }
-      for (PetscInt k = of_product[p]->begin(row); k < of_product[p]->end(row); ++k) {
-        const auto column = static_cast<std::size_t>(of_product[p]->local_column(k));
-        if (!is_slave_row_[i] && !is_slave_column[p][column]) row_of_K.push_back(of_product[p]->column(k));
-      }
+      for (PetscInt k = of_product[p]->begin(row); k < of_product[p]->end(row); ++k)
+        row_of_K.push_back(of_product[p]->column(k));
     }
     std::ranges::sort(row_of_K);
     row_of_K.erase(std::unique(row_of_K.begin(), row_of_K.end()), row_of_K.end());
@@ -86,43 +116,11 @@ void ConstrainedProduct::make_pattern(Mat A) {
   pattern_ = make_zero_matrix(J_, offsets, columns);
 }
 
-void ConstrainedProduct::make_sparse_rows(const std::vector<RowsOfColumns>& dense) {
-  std::vector<char> is_dense(is_tied_row_.size(), 0);
-  for (const RowsOfColumns& group : dense) {
-    for (const PetscInt row : group.rows) is_dense[static_cast<std::size_t>(row)] = 1;
-  }
-  const auto is_wanted = [&](PetscInt row, PetscInt) { return !is_dense[static_cast<std::size_t>(row)]; };
-  std::vector<PetscInt> offsets{0}, columns;
-  {
-    const MatrixRows own(W_, 0), others(W_, 1);
-    for (PetscInt row = 0; row < own.size(); ++row) {
-      const auto first = static_cast<std::ptrdiff_t>(columns.size());
-      for (const MatrixRows* part : {&own, &others}) {
-        for (PetscInt k = part->begin(row); k < part->end(row); ++k) {
-          if (is_wanted(row, k)) columns.push_back(part->column(k));
-        }
-      }
-      std::sort(columns.begin() + first, columns.end());
-      offsets.push_back(static_cast<PetscInt>(columns.size()));
-    }
-  }
-  sparse_rows_ = make_zero_matrix(W_, offsets, columns);
-  for (std::size_t p = 0; p < 2; ++p) {
-    const MatrixRows of_W(W_, p), of_rest(sparse_rows_.get(), p);
-    sparse_rows_from_W_[p] = of_W.runs(of_rest, is_wanted);
-  }
-  W_rows_ = sparse_rows_.get();
-}
-
 ConstrainedProduct::Runs ConstrainedProduct::K_from_product() const {
-  const auto is_slave_column = flags_of_columns(product_.get(), is_slave_row_);
   Runs runs;
   for (std::size_t p = 0; p < 2; ++p) {
     const MatrixRows of_product(product_.get(), p), of_K(pattern_.get(), p);
-    runs[p] = of_product.runs(of_K, [&](PetscInt row, PetscInt k) {
-      return !is_slave_row_[static_cast<std::size_t>(row)] &&
-             !is_slave_column[p][static_cast<std::size_t>(of_product.local_column(k))];
-    });
+    runs[p] = of_product.runs(of_K, [](PetscInt, PetscInt) { return true; });
   }
   return runs;
 }
@@ -172,12 +170,12 @@ void ConstrainedProduct::multiply(MatReuse reuse) {
   Mat product = product_.get(), transposed = transposed_.get(), with_J = near_times_J_.get();
   const bool is_there = reuse == MAT_REUSE_MATRIX;
   if (!has_two_steps_) {
-    check(MatPtAP(near_.get(), J_, reuse, PETSC_DEFAULT, is_there ? &product : product_.out()));
+    check(MatPtAP(near_.get(), J_part_.matrix.get(), reuse, PETSC_DEFAULT, is_there ? &product : product_.out()));
     return;
   }
   // MatTransposeMatMult of these matrices would put its entries one by one.
-  check(MatTranspose(W_rows_, reuse, is_there ? &transposed : transposed_.out()));
-  check(MatMatMult(near_.get(), J_, reuse, PETSC_DEFAULT, is_there ? &with_J : near_times_J_.out()));
+  check(MatTranspose(W_part_.matrix.get(), reuse, is_there ? &transposed : transposed_.out()));
+  check(MatMatMult(near_.get(), J_part_.matrix.get(), reuse, PETSC_DEFAULT, is_there ? &with_J : near_times_J_.out()));
   check(MatMatMult(transposed_.get(), near_times_J_.get(), reuse, PETSC_DEFAULT, is_there ? &product : product_.out()));
 }
 
@@ -189,12 +187,13 @@ Handle<Mat> ConstrainedProduct::make() const {
 
 void ConstrainedProduct::set(Mat A, Mat K) {
   copy(near_from_A_, A, near_.get());
-  if (!dense_.empty()) copy(sparse_rows_from_W_, W_, sparse_rows_.get());
+  copy(J_part_.from_whole, J_, J_part_.matrix.get());
+  if (has_two_steps_) copy(W_part_.from_whole, W_, W_part_.matrix.get());
   multiply(MAT_REUSE_MATRIX);
   {
     const MatrixValues of_A(A), of_product(product_.get()), to(K);
     for (std::size_t p = 0; p < 2; ++p) {
-      for (const EntryRun& run : of_whole_product_[p]) std::fill_n(to[p] + run.to, run.count, 0.0);
+      for (const EntryRun& run : K_from_whole_product_[p]) std::fill_n(to[p] + run.to, run.count, 0.0);
       for (const EntryRun& run : K_from_A_[p]) std::copy_n(of_A[p] + run.from, run.count, to[p] + run.to);
       for (const EntryRun& run : K_from_product_[p]) {
         for (PetscInt k = 0; k < run.count; ++k) to[p][run.to + k] += of_product[p][run.from + k];

@@ -34,11 +34,18 @@ class ConstrainedProduct {
   /// One list for each part of a matrix: the columns of this rank, and those of other ranks.
   using Runs = std::array<std::vector<EntryRun>, 2>;
 
+  /// A part of the entries of a matrix.
+  struct Part {
+    Handle<Mat> matrix;
+    Runs from_whole;
+  };
+
   void make_near(Mat A);
-  /// W^T A' J, of the rows of W that are in use.
+  /// What is not in columns of slaves, nor in these rows.
+  Part part_of(Mat matrix, const std::vector<char>& is_left_out) const;
+  /// W^T A' J, of the parts that are in use.
   void multiply(MatReuse reuse);
   void make_pattern(Mat A);
-  void make_sparse_rows(const std::vector<RowsOfColumns>& dense);
   Runs K_from_product() const;
   void find_runs_from(Mat A);
   void find_diagonal();
@@ -49,13 +56,12 @@ class ConstrainedProduct {
   std::vector<char> is_tied_row_, is_slave_row_;
   std::array<std::vector<char>, 2> is_tied_column_;  // per column of each part of A
   Handle<Mat> near_;                                 // A'
-  Mat W_rows_ = nullptr;                             // the rows of W that PETSc multiplies: all, or those of
-  Handle<Mat> sparse_rows_;                          // W without dense rows
+  Part J_part_, W_part_;                             // W without dense rows
   Handle<Mat> transposed_, near_times_J_, product_;
   std::vector<DenseRows> dense_;
   Handle<Mat> pattern_;  // of K
-  Runs near_from_A_, sparse_rows_from_W_, K_from_A_, K_from_product_;
-  Runs of_whole_product_;                        // with dense rows, in K
+  Runs near_from_A_, K_from_A_, K_from_product_;
+  Runs K_from_whole_product_;                    // with dense rows
   std::vector<PetscInt> of_slaves_, of_others_;  // diagonal entries of K
 };
 

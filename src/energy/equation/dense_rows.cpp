@@ -1,12 +1,12 @@
 #include "energy/equation/dense_rows.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 namespace pliant {
 
-DenseRows::DenseRows(RowsOfColumns of, Mat W, Mat B, Mat K, const std::array<std::vector<char>, 2>& is_zero)
-    : of_(std::move(of)) {
+DenseRows::DenseRows(RowsOfColumns of, Mat W, Mat B, Mat K) : of_(std::move(of)) {
   {
     PetscInt first = 0, last = 0;
     check(MatGetOwnershipRangeColumn(W, &first, &last));
@@ -18,7 +18,7 @@ DenseRows::DenseRows(RowsOfColumns of, Mat W, Mat B, Mat K, const std::array<std
       }
     }
   }
-  find_columns(B, is_zero);
+  find_columns(B);
   find_targets(K);
   const auto num_rows = static_cast<Eigen::Index>(of_.rows.size());
   W_.setZero(static_cast<Eigen::Index>(of_.columns.size()), num_rows);
@@ -26,15 +26,14 @@ DenseRows::DenseRows(RowsOfColumns of, Mat W, Mat B, Mat K, const std::array<std
 }
 
 // Columns are dense if at least every second row has them.
-void DenseRows::find_columns(Mat B, const std::array<std::vector<char>, 2>& is_zero) {
+void DenseRows::find_columns(Mat B) {
   const MatrixRows own(B, 0), others(B, 1);
   const std::array parts{&own, &others};
   const auto for_each_entry = [&](const auto& visit) {
     for (std::size_t r = 0; r < of_.rows.size(); ++r) {
       for (std::size_t part = 0; part < 2; ++part) {
         for (PetscInt k = parts[part]->begin(of_.rows[r]); k < parts[part]->end(of_.rows[r]); ++k) {
-          if (!is_zero[part][static_cast<std::size_t>(parts[part]->local_column(k))])
-            visit(r, Place{part, k}, parts[part]->column(k));
+          visit(r, Place{part, k}, parts[part]->column(k));
         }
       }
     }

@@ -3,7 +3,6 @@
 
 #include "petsc/matrix_parts.hpp"
 
-#include <array>
 #include <eigen3/Eigen/Core>
 #include <span>
 #include <vector>
@@ -20,9 +19,8 @@ struct RowsOfColumns {
 /// would take each row of W as a sparse one; those of a mechanism have an entry for each of its degrees of freedom.
 class DenseRows {
  public:
-  /// W, B and K of type MATMPIAIJ, K with entries for the whole product; only patterns are used. `is_zero`: flags of
-  /// the columns of both parts of B that are left out. Not collective.
-  DenseRows(RowsOfColumns of, Mat W, Mat B, Mat K, const std::array<std::vector<char>, 2>& is_zero);
+  /// W, B and K of type MATMPIAIJ, K with entries for the whole product; only patterns are used. Not collective.
+  DenseRows(RowsOfColumns of, Mat W, Mat B, Mat K);
 
   /// Adds what belongs into rows of this rank; keeps the rest. Not collective.
   void add(const MatrixValues& W, const MatrixValues& B, const MatrixValues& K);
@@ -44,7 +42,7 @@ class DenseRows {
     EntryRun entries;      // from columns of the product to values of K
   };
 
-  void find_columns(Mat B, const std::array<std::vector<char>, 2>& is_zero);
+  void find_columns(Mat B);
   void find_targets(Mat K);
 
   RowsOfColumns of_;
