@@ -229,6 +229,7 @@ namespace {
 struct NearestFeature {
   std::int32_t body = 0;
   double squared_distance = 0.0, steepness = -1.0;
+  bool is_within = false;  ///< the foot is within a triangle
   PointPair pair;
 };
 
@@ -256,12 +257,15 @@ std::vector<PointPair> nearest_pairs(const CollisionSurface& surface, const Feat
       const double square = closest.squared_distance;
       if (!(square <= farthest * farthest)) continue;
       auto known = std::ranges::find(of_bodies, triangle.body, &NearestFeature::body);
-      if (known != of_bodies.end() && square > known->squared_distance * (1.0 + rounding)) continue;
+      // Feet within two triangles are two places. The nearer one counts, so that the distance is continuous.
+      const bool are_two = closest.feature == TriangleFeature::face && known != of_bodies.end() && known->is_within;
+      const double equal = are_two ? 0.0 : rounding;
+      if (known != of_bodies.end() && square > known->squared_distance * (1.0 + equal)) continue;
       Vector3<double> r = p;
       for (std::size_t k = 0; k < 3; ++k) r = r - closest.barycentric[k] * x[v[k]];
       const Vector3<double> normal = cross(x[v[1]] - x[v[0]], x[v[2]] - x[v[0]]);
       const double along = dot(normal, r), steepness = std::abs(along) / norm(normal);
-      const bool is_same = known != of_bodies.end() && square >= known->squared_distance * (1.0 - rounding);
+      const bool is_same = known != of_bodies.end() && square >= known->squared_distance * (1.0 - equal);
       if (is_same && steepness <= known->steepness) continue;
       if (known == of_bodies.end()) known = of_bodies.insert(known, NearestFeature{});
       PointPair pair{point, candidate.second, FeatureKind::face, 1, static_cast<std::int8_t>(along < 0.0 ? -1 : 1)};
@@ -277,7 +281,8 @@ std::vector<PointPair> nearest_pairs(const CollisionSurface& surface, const Feat
         pair.kind = FeatureKind::edge;
         pair.feature = triangle.edges[feature - static_cast<int>(TriangleFeature::edge_01)];
       }
-      *known = {triangle.body, std::min(square, is_same ? known->squared_distance : square), steepness, pair};
+      *known = {triangle.body, std::min(square, is_same ? known->squared_distance : square), steepness,
+                closest.feature == TriangleFeature::face, pair};
     }
     std::ranges::sort(of_bodies, {}, [](const NearestFeature& nearest) { return nearest.pair; });
     const std::int32_t group = points[point].group;

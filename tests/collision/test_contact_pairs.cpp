@@ -1,5 +1,6 @@
 #include "base/limits.hpp"
 #include "collision/contact_pairs.hpp"
+#include "collision/shared_pairs.hpp"
 #include "laws.hpp"
 #include "surfaces.hpp"
 
@@ -373,6 +374,52 @@ TEST(ContactPairs, SemidefiniteHessianIsOne) {
   };
   EXPECT_LT(least_eigenvalue(ContactOrder::hessian), -1e-4);
   EXPECT_GE(least_eigenvalue(ContactOrder::semidefinite_hessian), -1e-13);
+}
+
+/// A roof over the line x = 0.5 of the unit square, two by two triangles, and a tetrahedron that dips into it from
+/// above.
+Contact probe_below_ridge() {
+  SurfaceInput roof;
+  roof.vertices = {{0, {0, 0, 0}}, {1, {0.5, 0, 0.1}}, {2, {1, 0, 0}},
+                   {3, {0, 1, 0}}, {4, {0.5, 1, 0.1}}, {5, {1, 1, 0}}};
+  roof.triangles = {{{0, 1, 4}, 0, 0}, {{0, 4, 3}, 0, 0}, {{1, 2, 5}, 0, 0}, {{1, 5, 4}, 0, 0}};
+  return probe_over(roof);
+}
+
+TEST(ContactPairs, SharesOfFacetsChangeWithoutAJumpBelowARidge) {
+  const Contact contact = probe_below_ridge();
+  auto x = contact.rest();
+  const auto normal_at = [&](double at) {
+    place_probe(x, {at, 0.4, 0.05});
+    auto candidates = point_candidates(contact.surface, contact.points, x, 0.3);
+    sort_pairs(candidates, contact.points.size());
+    const auto nearest =
+        nearest_pairs(contact.surface, contact.multiplicities, contact.points, candidates, x, reach, 0.3);
+    Vector3<double> normal{};
+    double total = 0.0;
+    for (const auto& [pair, share] : shared_pairs(contact.surface, contact.points, nearest, candidates, x)) {
+      const PairGeometry geometry = geometry_of(contact.surface, contact.points, pair, x);
+      if (geometry.body != 1 || contact.points[pair.point].nodes[0] != static_cast<std::int32_t>(x.size()) - 4)
+        continue;
+      EXPECT_GT(share, 0.0);
+      normal = normal + share * geometry.normal;
+      total += share;
+    }
+    EXPECT_NEAR(total, 1.0, 1e-14);
+    return normal;
+  };
+  const Vector3<double> left = normal_at(0.4), right = normal_at(0.6);
+  EXPECT_NEAR(left[0], -0.2 / std::sqrt(1.04), 1e-12);  // far from the ridge that of the facet
+  EXPECT_NEAR(right[0], 0.2 / std::sqrt(1.04), 1e-12);
+  EXPECT_NEAR(normal_at(0.5 - 1e-9)[0], normal_at(0.5 + 1e-9)[0], 1e-6);
+  double last = left[0], most = 0.0;
+  constexpr int steps = 2000;
+  for (int n = 1; n <= steps; ++n) {
+    const double now = normal_at(0.4 + 0.2 * n / steps)[0];
+    most = std::max(most, std::abs(now - last));
+    last = now;
+  }
+  EXPECT_LT(most, 0.02 * (right[0] - left[0]));
 }
 
 TEST(ContactPairs, RulesHaveTheAreaOfTheSurface) {

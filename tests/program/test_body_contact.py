@@ -250,7 +250,7 @@ Mesh.MeshSizeMax = 0.7;
         self.assertNotIn(" holds 1 of", done.stdout + done.stderr)
 
     def test_friction_settles_although_points_change_sides(self):
-        # Points of the block lie over edges of the plate, where the nearest facet and its normal jump.
+        # Points of the block lie over edges of the plate, where the nearest facet jumps: both facets share the friction.
         plate, block = box((3, 3, 1), (1, 1, 0.3)), box((2, 2, 1), (0.4, 0.4, 0.299), (0.3, 0.3, 0.301))
         sides = [np.vstack([a, b + len(plate[0])]) for a, b in zip(plate[1], block[1])]
         write_mesh(self.directory / "blocks.msh", np.vstack([plate[0], block[0]]), sides, np.vstack([plate[2], block[2] + len(plate[0])]),
@@ -266,10 +266,10 @@ contact: {{law: penalty, stick_velocity: 1e-4, pairs: [{{surface: block, with: p
 time: {{method: quasistatic, step: 0.05, end: 0.5}}
 """)
         done = self.pliant("run", "in.yaml", "--output", "out")
-        self.assertIn("normal forces jump between two states", done.stderr + done.stdout)
+        self.assertNotIn("normal forces jump between two states", done.stderr + done.stdout)
         summary = json.loads((self.directory / "out/summary.json").read_text())
         self.assertEqual(summary["steps"]["failed"], 0)
-        self.assertLess(summary["solver"]["worst_unsettled"], 5e-3)
+        self.assertEqual(summary["solver"]["unsettled_stages"], 0)
         h = read_history(self.directory / "out")
         # Quadratic elements with pressures, on ranks.
         more = ("element=P2", "volumetric=mixed", "time.step=0.1", "time.end=0.2")
@@ -281,6 +281,40 @@ time: {{method: quasistatic, step: 0.05, end: 0.5}}
         frozen = self.run_input("in.yaml", "contact.friction_update=frozen", "time.step=0.005")
         for column in ("dissipated_friction", "lid_fz"):
             np.testing.assert_allclose(h[column][-1], frozen[column][-1], rtol=0.01)
+
+    def test_friction_settles_where_edges_of_both_bodies_lie_in_line(self):
+        # A block sinks into a wider one and is dragged along. Both are mirror images of themselves, with edges in the middle.
+        def with_image(points, sides, cells):
+            inner = points[:, 1] < 1e-9
+            image = np.where(inner, np.arange(len(points)), len(points) + np.cumsum(~inner) - 1)
+            left, right, _, back, bottom, top = sides
+            both = [np.vstack([side, image[side[:, [1, 0, 2]]]]) for side in (left, right, bottom, top)]
+            return (np.vstack([points, points[~inner] * [1, -1, 1]]), [*both[:2], image[back[:, [1, 0, 2]]], back, *both[2:]],
+                    np.vstack([cells, image[cells[:, [1, 0, 2, 3]]]]))
+
+        parts = [with_image(*box((4, 2, 2), (0.2, 0.1, 0.05))), with_image(*box((2, 2, 1), (0.08, 0.06, 0.049), (0.05, 0, 0.051)))]
+        first = len(parts[0][0])
+        write_mesh(self.directory / "blocks.msh", np.vstack([part[0] for part in parts]),
+                   [np.vstack([a, b + first]) for a, b in zip(parts[0][1], parts[1][1])], np.vstack([parts[0][2], parts[1][2] + first]),
+                   (["low", "up"], np.repeat([0, 1], [len(part[2]) for part in parts])))
+        self.write("in.yaml", """
+mesh: {file: blocks.msh}
+volumetric: mixed
+bodies:
+  - {volume: low, density: 1000, elasticity: {model: neo-hookean-isochoric, youngs_modulus: 1e5, poissons_ratio: 0.49}}
+  - {volume: up, density: 1000, elasticity: {model: yeoh, c10: 5e4, c20: 1e3, poissons_ratio: 0.45}}
+constraints:
+  - {box: [[-1, -1, -1], [1, 1, 1e-6]], displacement: [0, 0, 0]}
+  - {name: lid, box: [[-1, -1, 0.0999], [1, 1, 1]], displacement: ["1.5*(t>0.03?1:0)*(t-0.03)^2", free, "-0.006*min(t/0.03,1)"]}
+contact: {law: penalty, friction: 0.4, stick_velocity: 10 mm/s, normal_damping: 0.1, pairs: [{surface: low, with: up}]}
+time: {method: bdf2, step: 3 ms, end: 0.06}
+solver: {newton: {relative: 1e-11}}
+""")
+        for volumetric in ("mixed", "standard"):
+            h = self.run_input("in.yaml", f"volumetric={volumetric}", output="out", timeout=60)
+            solver = json.loads((self.directory / "out/summary.json").read_text())
+            self.assertEqual((len(h["step"]), solver["steps"]["failed"], solver["solver"]["unsettled_stages"]), (21, 0, 0))
+            self.assertLess(abs(h["lid_fy"][-1]), 1e-3 * h["lid_fx"][-1])
 
     def test_a_block_is_gripped_and_lifted_without_inertia(self):
         parts = [box((2, 2, 2), (0.04,) * 3, (0, 0, 0)), box((1, 1, 1), (0.01, 0.02, 0.02), (-0.0115, 0.01, 0.01)),

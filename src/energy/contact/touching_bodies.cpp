@@ -3,6 +3,7 @@
 #include "collision/candidates.hpp"
 #include "collision/ccd.hpp"
 #include "collision/closest_points.hpp"
+#include "collision/shared_pairs.hpp"
 #include "collision/vertex_pressures.hpp"
 
 #include <algorithm>
@@ -14,6 +15,18 @@ namespace {
 constexpr double edge_share = 0.05;
 /// Part of a gap that a step leaves at the least.
 constexpr double kept_gap = 0.1;
+
+/// Whether two places of one body at these squared distances now and at rest are only neighbours, not nearer to each
+/// other than the body's deformation makes them: their gap says nothing.
+bool is_neighbour(double square, double square_at_rest) {
+  return square > 0.25 * square_at_rest;
+}
+
+template <class Item>
+void make_unique(std::vector<Item>& items) {
+  std::ranges::sort(items);
+  items.erase(std::ranges::unique(items).begin(), items.end());
+}
 
 }  // namespace
 
@@ -42,22 +55,6 @@ TouchingBodies::TouchingBodies(std::shared_ptr<const BodySurfaces> surfaces, Con
     }
   }
 }
-
-namespace {
-
-/// Whether two places of one body at these squared distances now and at rest are only neighbours, not nearer to each
-/// other than the body's deformation makes them: their gap says nothing.
-bool is_neighbour(double square, double square_at_rest) {
-  return square > 0.25 * square_at_rest;
-}
-
-template <class Item>
-void make_unique(std::vector<Item>& items) {
-  std::ranges::sort(items);
-  items.erase(std::ranges::unique(items).begin(), items.end());
-}
-
-}  // namespace
 
 std::shared_ptr<const PairFeatures> TouchingBodies::features_of(const NearPatches& near) const {
   const CollisionSurface& surface = surfaces_->surface();
@@ -215,9 +212,10 @@ TouchingBodies::Configuration& TouchingBodies::configuration(const NearPatches& 
     if (known.features == near.features && known.x == at.x) return known;
   }
   Configuration& now = last_[std::exchange(oldest_, (oldest_ + 1) % last_.size())];
-  const Candidates found = candidates(near, at, std::max(laws_.reach(), range()));
+  Candidates found = candidates(near, at, std::max(laws_.reach(), range()));
   now.features = near.features;
   now.pairs = {point_pairs_of(found, at.x), edge_pairs_of(found, at.x)};
+  if (is_penalty()) now.near_points = std::move(found.points);
   now.x = std::move(at.x);
   now.touches.reset();
   return now;
@@ -256,13 +254,12 @@ const std::vector<Touch>& TouchingBodies::touches(const NearPatches& near, std::
   const CollisionSurface& surface = surfaces_->surface();
   const auto& nodes = features(near).nodes;
   std::vector<Touch>& touches = now.touches.emplace();
-  const auto add = [&](const PairGeometry& pair, const BodyContactLaws& laws) {
-    if (pair.weight == 0.0) return;
+  const auto add = [&](const PairGeometry& pair, const BodyContactLaws& laws, double share) {
     Touch touch{.pressure = laws(pair.body, pair.other, pair.distance).pressure,
-                .area = pair.weight,
+                .area = share * pair.weight,
                 .normal = pair.normal,
                 .is_counted = near.is_owned(nodes[pair.first_vertex])};
-    if (!(touch.pressure > 0.0)) return;
+    if (touch.area == 0.0 || !(touch.pressure > 0.0)) return;
     int begin = 0;  // of the nodes of the present surface
     for (int i = 0; i < pair.num_nodes; ++i) {
       if (i == pair.num_first_nodes) begin = touch.num_first_nodes = touch.num_nodes;
@@ -274,8 +271,9 @@ const std::vector<Touch>& TouchingBodies::touches(const NearPatches& near, std::
     const auto used = std::span(touch.nodes).first(static_cast<std::size_t>(touch.num_nodes));
     if (std::ranges::any_of(used, [&](PetscInt node) { return near.is_owned(node); })) touches.push_back(touch);
   };
-  for (const PointPair& pair : now.pairs.points) add(geometry_of(surface, points_, pair, now.x), laws_);
-  for (const EdgePair& pair : now.pairs.edges) add(geometry_of(surface, pair, now.x), edge_laws_);
+  for (const auto& [pair, share] : shared_pairs(surface, points_, now.pairs.points, now.near_points, now.x))
+    add(geometry_of(surface, points_, pair, now.x), laws_, share);
+  for (const EdgePair& pair : now.pairs.edges) add(geometry_of(surface, pair, now.x), edge_laws_, 1.0);
   return touches;
 }
 

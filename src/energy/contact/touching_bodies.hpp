@@ -139,6 +139,7 @@ class TouchingBodies final : public PairCoupling {
     std::shared_ptr<const PairFeatures> features;
     std::vector<Vector3<double>> x;
     ContactPairs pairs;
+    std::vector<BoxPair> near_points;  // of a penalty with drag: points and all triangles near them
     std::optional<std::vector<Touch>> touches;
   };
   /// The distance within which a penalty looks for what is nearest [m].
