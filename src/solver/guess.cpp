@@ -99,6 +99,12 @@ void GuessSearch::consider(Vec candidate, Vec q, double& measure) {
   check(VecCopy(candidate, q));
 }
 
+StartingGuess GuessSearch::keep(Vec q) {
+  equation_.extrapolate_from(nullptr);
+  has_second_ = false;
+  return {objective_.measure(q), std::nullopt};
+}
+
 StartingGuess GuessSearch::choose(const StagePoint& stage, Vec q) {
   equation_.extrapolate_from(nullptr);
   has_second_ = false;

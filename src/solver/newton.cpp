@@ -3,6 +3,7 @@
 #include "petsc/copy_of.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -42,7 +43,8 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   StageReport report;
   for (int turn = 0;; ++turn) {
     const StageReport before = std::move(report);
-    report = solve_for_unknowns(equation_.enter(stage, q, unknowns_.get()), unknowns_.get());
+    const auto guess = turn == 0 ? Guess::best : Guess::given;
+    report = solve_for_unknowns(equation_.enter(stage, q, unknowns_.get()), unknowns_.get(), guess);
     report.newton_iterations += before.newton_iterations;
     report.linear_iterations += before.linear_iterations;
     if (report.outcome == StageOutcome::fatal || !equation_.is_far_from_guess(unknowns_.get())) break;
@@ -57,14 +59,15 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   return report;
 }
 
-StageReport NewtonSolver::solve_for_unknowns(const StagePoint& stage, Vec q) {
+StageReport NewtonSolver::solve_for_unknowns(const StagePoint& stage, Vec q, Guess which) {
   objective_.begin_stage(stage);
   loop_.begin_stage();
   failure_.reset();
   ++(objective_.is_minimised() ? statistics_.minimisations : statistics_.residual_solves);
   equation_.freeze(q);
   if (may_follow()) objective_.set_aim(equilibria_.first_aim());
-  const StartingGuess guess = guesses_.choose(stage, q);
+  StartingGuess guess = which == Guess::given ? guesses_.keep(q) : guesses_.choose(stage, q);
+  if (which == Guess::given && !std::isfinite(guess.measure)) guess = guesses_.choose(stage, q);
   objective_.set_aim(objective_.usual_aim());
   StageReport report{StageOutcome::retry, guess.failure.value_or("")};
   if (!guess.failure) {

@@ -75,7 +75,8 @@ class NewtonSolver {
   };
 
   /// Likewise, in the unknowns of the equation.
-  StageReport solve_for_unknowns(const StagePoint& stage, Vec q);
+  enum class Guess { best, given };
+  StageReport solve_for_unknowns(const StagePoint& stage, Vec q, Guess which);
   /// Runs Newton's iteration, several times if necessary.
   StageReport iterate(Vec q);
   /// Once more from the guess after a failure without inertia, with the drag of a state that is held softly near it;

@@ -169,7 +169,9 @@ SNESConvergedReason NewtonLoop::judge(int iteration, double residual) {
     case Convergence::Verdict::iterating:
       break;
   }
-  return iteration - num_at_wall_ < limit_ ? SNES_CONVERGED_ITERATING : SNES_DIVERGED_MAX_IT;
+  // Where bodies have rotated by much, the search goes on with other unknowns (NewtonSolver::solve).
+  const bool goes_on = iteration - num_at_wall_ < limit_ && !(iteration > 0 && equation_.is_far_from_guess(q));
+  return goes_on ? SNES_CONVERGED_ITERATING : SNES_DIVERGED_MAX_IT;
 }
 
 void NewtonLoop::limit_iterations(int number) {

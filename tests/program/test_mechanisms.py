@@ -572,6 +572,19 @@ loads: [{{gravity: [0, 0, -9.81]}}]
                 self.assertAlmostEqual(abs(h["hinge_angle"][-1]), np.pi / 2, delta=0.3 if modulus < 1e6 else 1e-3)
                 self.assertLess(h["newton_iterations"].sum(), 15)
 
+    def test_a_static_search_with_a_motor_ends_below_its_hinge(self):
+        # Above it there is another equilibrium, which is unstable and closer to the start.
+        for motor in ("effort: 0", "effort: 0.5", "effort: 2", "effort: 3", "target: 0.3, stiffness: 4", "target: 0.3, stiffness: 4, limit: 1.5"):
+            with self.subTest(motor=motor):
+                h = self.solve(f"""rigid_bodies: [{{name: link, mass: 1, inertia: [1e-3, 1e-2, 1e-2], center: [0.4, 0, 0.3]}}]
+joints: [{{name: top, type: hinge, between: [ground, link], point: [0, 0, 0], axis: [0, 1, 0], motor: {{{motor}}}}}]
+loads: [{{gravity: [0.1, 0, -9.81]}}]
+""", "method: static")
+                x, z, effort = (h[name][-1] for name in ("link_x", "link_z", "top_effort"))
+                self.assertLess(z, 0)
+                self.assertAlmostEqual(effort, -9.81 * x - 0.1 * z, delta=1e-6)
+                self.assertLess(h["newton_iterations"].sum(), 15)
+
     def test_a_given_motion_is_that_of_the_center(self):
         self.write("bar.geo", 'SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 0.2, 0.05, 0.05};\nMeshSize{ PointsOf{ Volume{1}; } } = 0.05;\n'
                    'Physical Volume("bar") = {1};\nPhysical Surface("left") = {1};\nPhysical Surface("right") = {2};\n')

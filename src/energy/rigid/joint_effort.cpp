@@ -39,6 +39,27 @@ double stored_energy(const JointLaw& law, double coordinate, std::optional<doubl
   return 0.5 * spring->stiffness * (now - then) * (now + then);
 }
 
+/// log(cosh(a + d) / cosh(a)); keeps the digits of small changes d.
+double log_cosh_ratio(double a, double d) {
+  if (std::abs(d) < 1.0) {
+    const double half = std::sinh(0.5 * d);
+    return std::log1p(2.0 * half * half + std::tanh(a) * std::sinh(d));
+  }
+  const auto log_cosh = [](double x) { return std::abs(x) + std::log1p(std::exp(-2.0 * std::abs(x))); };
+  return log_cosh(a + d) - log_cosh(a);
+}
+
+/// What a motor without damping lets go when the coordinate moves from one value to another: with u = k (target - s),
+/// the integral of -sat(u) - effort.
+double potential_of(const JointMotor& motor, double coordinate, double from, double time, double factor) {
+  const double moved = coordinate - from;
+  const double u = motor.stiffness * (factor * motor.target(0.0, 0.0, 0.0, time) - from);
+  const double given = -factor * motor.effort(0.0, 0.0, 0.0, time) * moved;
+  if (!motor.limit || motor.stiffness == 0.0) return given - (u - 0.5 * motor.stiffness * moved) * moved;
+  const double limit = *motor.limit;
+  return given + limit * limit / motor.stiffness * log_cosh_ratio(u / limit, -motor.stiffness * moved / limit);
+}
+
 struct EffortOf {
   double coordinate, rate, time, factor;
 
@@ -184,8 +205,10 @@ class CoordinateOfNodes {
   std::vector<PetscInt> nodes_;
 };
 
-/// Whether the effort follows from the coordinate alone, and is that of an energy.
-bool is_elastic(const JointLaw& law) {
+/// Whether the effort in a stage follows from the coordinate alone, and has a potential.
+bool has_potential(const JointLaw& law) {
+  const auto* motor = std::get_if<JointMotor>(&law);
+  if (motor != nullptr) return motor->damping == 0.0;
   return std::holds_alternative<JointSpring>(law) || std::holds_alternative<JointStops>(law);
 }
 
@@ -206,7 +229,7 @@ JointState state_of(const CoordinateOfNodes& coordinate, const JointEffort::Join
   JointState state{coordinate.gather(q), std::vector<double>(coordinate.size(), 0.0), {}, {}};
   state.coordinate = coordinate(state.u);
   state.slope = coordinate.gradient(state.u);
-  if (!is_elastic(joint.law) && !stage.q0.empty() && stage.dt > 0.0) {
+  if (!has_potential(joint.law) && !stage.q0.empty() && stage.dt > 0.0) {
     const auto start = coordinate.gather(stage.q0);
     for (std::size_t k = 0; k < start.size(); ++k) {
       state.velocity[k] = (state.u[k] - start[k]) / stage.dt;
@@ -262,11 +285,11 @@ std::string_view JointEffort::name() const {
 
 TermDeclaration JointEffort::declaration() const {
   TermDeclaration declaration;
-  declaration.is_potential = is_elastic(law());
+  declaration.is_potential = std::ranges::all_of(joints_, [](const Joint& joint) { return has_potential(joint.law); });
   declaration.account = std::holds_alternative<JointMotor>(law()) ? Account::load : Account::stored;
   declaration.dissipates = dissipates(law());
   declaration.refreezes = std::holds_alternative<BearingFriction>(law());
-  declaration.symmetry = is_elastic(law()) ? Symmetry::symmetric : Symmetry::nearly_symmetric;
+  declaration.symmetry = declaration.is_potential ? Symmetry::symmetric : Symmetry::nearly_symmetric;
   declaration.rotates_with_body = false;
   return declaration;
 }
@@ -297,8 +320,9 @@ std::vector<JointEffort::Seen> JointEffort::seen(const NearPatches& near) const 
   return result;
 }
 
-double JointEffort::stored(const NearPatches& near, std::span<const double> q, std::span<const double> from) const {
-  if (!is_elastic(law())) return 0.0;
+double JointEffort::sum_over_coordinates(
+    const NearPatches& near, std::span<const double> q, std::span<const double> from,
+    const std::function<double(const JointLaw&, double, std::optional<double>)>& energy) const {
   double sum = 0.0;
   for (const Seen& one : seen(near)) {
     if (!one.is_counted) continue;
@@ -308,13 +332,19 @@ double JointEffort::stored(const NearPatches& near, std::span<const double> q, s
       return coordinate(u);
     };
     const std::optional<double> then = from.empty() ? std::nullopt : std::optional(at(from));
-    sum += stored_energy(one.joint->law, at(q), then);
+    sum += energy(one.joint->law, at(q), then);
   }
   return sum;
 }
 
 double JointEffort::value(const LocalStage& stage, std::span<const double> q) const {
-  return stored(*stage.near, q, stage.reference());
+  if (!declaration().is_potential) return 0.0;
+  const auto potential = [&](const JointLaw& of, double now, std::optional<double> then) {
+    const auto* motor = std::get_if<JointMotor>(&of);
+    if (motor == nullptr) return stored_energy(of, now, then);
+    return potential_of(*motor, now, then.value_or(0.0), stage.time, stage.load_factor);
+  };
+  return sum_over_coordinates(*stage.near, q, stage.reference(), potential);
 }
 
 void JointEffort::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
@@ -366,7 +396,7 @@ void JointEffort::add_hessian(const LocalStage& stage, std::span<const double> q
 }
 
 double JointEffort::energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const {
-  return stored(*at.near, q, {});
+  return sum_over_coordinates(*at.near, q, {}, stored_energy);
 }
 
 double JointEffort::dissipation(const LocalStage& stage, std::span<const double> q) const {

@@ -6,6 +6,7 @@
 #include "energy/term.hpp"
 #include "fem/layout.hpp"
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -22,7 +23,8 @@ struct JointSpring {
 struct JointDamper {
   double coefficient = 0.0;
 };
-/// Exerts sat(k (target - s) + d (target' - s')) + effort, sat(u) = limit tanh(u / limit).
+/// Exerts sat(k (target - s) + d (target' - s')) + effort, sat(u) = limit tanh(u / limit). Without damping it has a
+/// potential in a stage; its account is that of loads.
 struct JointMotor {
   Expression target;
   double stiffness = 0.0, damping = 0.0;
@@ -98,8 +100,10 @@ class JointEffort final : public EnergyTerm, public PairCoupling {
     bool is_counted = false;
   };
   std::vector<Seen> seen(const NearPatches& near) const;
-  /// The energy of springs and stops at q less that at `from`; empty: less none.
-  double stored(const NearPatches& near, std::span<const double> q, std::span<const double> from) const;
+  /// The sum of energies (law, coordinate at q, coordinate at `from`); empty: none.
+  double sum_over_coordinates(
+      const NearPatches& near, std::span<const double> q, std::span<const double> from,
+      const std::function<double(const JointLaw&, double, std::optional<double>)>& energy) const;
   /// All of a kind, as the first one.
   const JointLaw& law() const { return joints_.front().law; }
 
