@@ -34,7 +34,7 @@ class GuessSearch {
 
   /// On entry q holds the given guess, on return the best one.
   StartingGuess choose(const StagePoint& stage, Vec q);
-  /// Takes the given guess as it is, as a search that goes on has to.
+  /// Takes the given guess as it is, as a search that continues has to.
   StartingGuess keep(Vec q);
   /// The second-best guess of the last stage by the objective's measure; nullptr if there is none.
   Vec second() const { return has_second_ ? second_.get() : nullptr; }

@@ -169,7 +169,7 @@ SNESConvergedReason NewtonLoop::judge(int iteration, double residual) {
     case Convergence::Verdict::iterating:
       break;
   }
-  // Where bodies have rotated by much, the search goes on with other unknowns (NewtonSolver::solve).
+  // Where bodies have rotated by much, the search continues with other unknowns (NewtonSolver::solve).
   const bool goes_on = iteration - num_at_wall_ < limit_ && !(iteration > 0 && equation_.is_far_from_guess(q));
   return goes_on ? SNES_CONVERGED_ITERATING : SNES_DIVERGED_MAX_IT;
 }

@@ -17,6 +17,8 @@ constexpr std::size_t most_touched = 10;
 /// Entries of fields below this part of the largest one are left out: they change no digit of a velocity.
 constexpr double least_entry = 1e-17;
 constexpr double relative_residual = 1e-14;
+/// What has no inertia is as if it had this part of the largest one.
+constexpr double light_part = 1e-10;
 
 /// The twelve numbers of an affine motion about a part's centre.
 template <class Motion>
@@ -250,7 +252,16 @@ void PartVelocityProjection::solve(std::span<const std::size_t> dependents, cons
   const Matrix weighted = touched_mass_ * of_touched;
   A += of_touched.transpose() * weighted;
   b += weighted.transpose() * missing_of_touched;
-  // Unknowns without inertia do not change.
+  // What has no inertia, as points of reference in the mean, takes the velocities that are wanted.
+  const double heaviest = A.diagonal().maxCoeff(), light = heaviest > 0.0 ? light_part * heaviest : 1.0;
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    if (columns[p].size() == 0) continue;
+    Motion weights = Motion::Constant(light * std::pow(parts_[p].part->size(), 2));
+    weights.head<3>().setConstant(light);
+    const Matrix weighted_columns = weights.asDiagonal() * columns[p];
+    A += columns[p].transpose() * weighted_columns;
+    b += weighted_columns.transpose() * missing[p];
+  }
   Vector scale = A.diagonal();
   for (double& s : scale) s = s > 0.0 ? 1.0 / std::sqrt(s) : 0.0;
   const Matrix scaled = scale.asDiagonal() * A * scale.asDiagonal();
