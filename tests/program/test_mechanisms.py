@@ -572,6 +572,21 @@ loads: [{{gravity: [0, 0, -9.81]}}]
                 self.assertAlmostEqual(abs(h["hinge_angle"][-1]), np.pi / 2, delta=0.3 if modulus < 1e6 else 1e-3)
                 self.assertLess(h["newton_iterations"].sum(), 15)
 
+    def test_a_point_of_reference_without_inertia_moves_with_its_surface(self):
+        self.write("block.geo", 'SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 0.1, 0.1, 0.1};\nMeshSize{ PointsOf{ Volume{1}; } } = 0.1;\n'
+                   'Physical Volume("block") = {1};\nPhysical Surface("foot") = {1};\nPhysical Surface("top") = {2};\n')
+        h = self.solve("""mesh: {file: block.geo}
+bodies: [{volume: block, density: 2000, elasticity: {model: neo-hookean, youngs_modulus: 2e5, poissons_ratio: 0.3}}]
+constraints: [{surface: foot, displacement: [0, 0, 0]}]
+rigid_bodies:
+  - {name: hub, center: [0.1, 0.05, 0.08], coupled: [top]}
+  - {name: arm, mass: 0.2, inertia: [1e-3, 1e-3, 1e-3], center: [0.2, 0.05, 0.05]}
+joints: [{name: hinge, type: hinge, between: [hub, arm], point: [0.12, 0.05, 0.05], axis: [0, 1, 0]}]
+loads: [{gravity: [0.1, 0.5, -9.81]}]
+""", "method: bdf2, step: 4 ms, end: 80 ms")
+        for place, rate, delta in (("hub_x", "hub_vx", 2e-4), ("hub_z", "hub_vz", 2e-4), ("hinge_angle", "hinge_rate", 5e-3)):
+            self.assertAlmostEqual(np.gradient(h[place], h["time"], edge_order=2)[-1], h[rate][-1], delta=delta, msg=rate)
+
     def test_a_static_search_with_a_motor_ends_below_its_hinge(self):
         # Above it there is another equilibrium, which is unstable and closer to the start.
         for motor in ("effort: 0", "effort: 0.5", "effort: 2", "effort: 3", "target: 0.3, stiffness: 4", "target: 0.3, stiffness: 4, limit: 1.5"):
