@@ -55,6 +55,8 @@ void Mechanism::separate_held_parts() {
   const Eigen::SelfAdjointEigenSolver<Matrix> squares(of_held.transpose() * of_held);
   const auto num_alone = static_cast<Eigen::Index>(
       std::ranges::count_if(squares.eigenvalues(), [](double square) { return square < nothing; }));
+  if (preferred_.size() == 0) num_alone_ = num_alone;
+  if (num_alone == 0) return;
   Matrix with_held = columns_ * squares.eigenvectors().rightCols(columns_.cols() - num_alone),
          alone = columns_ * squares.eigenvectors().leftCols(num_alone);
   alone = Vector(Vector::Ones(are_held.size()) - are_held).asDiagonal() * alone;
@@ -69,7 +71,6 @@ void Mechanism::separate_held_parts() {
     align(alone, preferred_.rightCols(num_alone));
   }
   columns_ << with_held, alone;
-  if (preferred_.size() == 0) num_alone_ = num_alone;
 }
 
 // change = N y + A z, A = D G_ref^T, where G_ref N = 0 and N^T N = I.
