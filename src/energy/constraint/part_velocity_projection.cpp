@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <eigen3/Eigen/Eigenvalues>
 #include <eigen3/Eigen/QR>
 
 namespace pliant {
@@ -17,8 +18,8 @@ constexpr std::size_t most_touched = 10;
 /// Entries of fields below this part of the largest one are left out: they change no digit of a velocity.
 constexpr double least_entry = 1e-17;
 constexpr double relative_residual = 1e-14;
-/// What has no inertia is as if it had this part of the largest one.
-constexpr double light_part = 1e-10;
+/// Inertia below this part of the largest one is none.
+constexpr double without_inertia = 1e-13;
 
 /// The twelve numbers of an affine motion about a part's centre.
 template <class Motion>
@@ -252,20 +253,32 @@ void PartVelocityProjection::solve(std::span<const std::size_t> dependents, cons
   const Matrix weighted = touched_mass_ * of_touched;
   A += of_touched.transpose() * weighted;
   b += weighted.transpose() * missing_of_touched;
-  // What has no inertia, as points of reference in the mean, takes the velocities that are wanted.
-  const double heaviest = A.diagonal().maxCoeff(), light = heaviest > 0.0 ? light_part * heaviest : 1.0;
-  for (std::size_t p = 0; p < parts_.size(); ++p) {
-    if (columns[p].size() == 0) continue;
-    Motion weights = Motion::Constant(light * std::pow(parts_[p].part->size(), 2));
-    weights.head<3>().setConstant(light);
-    const Matrix weighted_columns = weights.asDiagonal() * columns[p];
-    A += columns[p].transpose() * weighted_columns;
-    b += weighted_columns.transpose() * missing[p];
-  }
+  const double heaviest = A.diagonal().maxCoeff();
   Vector scale = A.diagonal();
-  for (double& s : scale) s = s > 0.0 ? 1.0 / std::sqrt(s) : 0.0;
-  const Matrix scaled = scale.asDiagonal() * A * scale.asDiagonal();
-  const Vector w = scale.asDiagonal() * scaled.completeOrthogonalDecomposition().solve(scale.asDiagonal() * b);
+  for (double& s : scale) s = s > without_inertia * heaviest ? s : heaviest > 0.0 ? heaviest : 1.0;
+  scale = scale.cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Matrix> scaled(scale.asDiagonal() * A * scale.asDiagonal());
+  const double least = without_inertia * scaled.eigenvalues().maxCoeff();
+  Vector inverse = scaled.eigenvalues();
+  for (double& value : inverse) value = value > least ? 1.0 / value : 0.0;
+  const Matrix modes = scale.asDiagonal() * scaled.eigenvectors();
+  Vector w = modes * inverse.cwiseProduct(modes.transpose() * b);
+  // What has no inertia, as points of reference in the mean, takes the velocities that are wanted.
+  const Eigen::Index num_light = (inverse.array() == 0.0).count();
+  if (num_light > 0) {
+    const Matrix light = modes.leftCols(num_light);  // eigenvalues ascend
+    Matrix squares = Matrix::Zero(num_light, num_light);
+    Vector products = Vector::Zero(num_light);
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+      if (columns[p].size() == 0) continue;
+      Motion weights = Motion::Constant(std::pow(parts_[p].part->size(), 2));
+      weights.template head<3>().setOnes();
+      const Matrix motions = columns[p] * light;
+      squares += motions.transpose() * weights.asDiagonal() * motions;
+      products += motions.transpose() * weights.asDiagonal() * (missing[p] - columns[p] * w);
+    }
+    w += light * squares.completeOrthogonalDecomposition().solve(products);
+  }
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     if (columns[p].size() > 0) changes[p] = columns[p] * w;
   }
