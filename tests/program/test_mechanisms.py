@@ -62,6 +62,14 @@ def place(history, name, start, center, row=-1):
     """Where the point of the body is that was at `start`."""
     return np.array([history[f"{name}_{axis}"][row] for axis in "xyz"]) + turned(history, name, np.subtract(start, center), row)
 
+BLOCK = """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 0.1, 0.1, 0.1};
+MeshSize{ PointsOf{ Volume{1}; } } = 0.1;
+Physical Volume("block") = {1};
+Physical Surface("foot") = {1};
+Physical Surface("top") = {2};
+"""
+
 
 class Mechanisms(ProgramTest):
     def chain(self, kind, more=""):
@@ -556,8 +564,7 @@ loads: [{{gravity: [0.1, 0, -9.81]}}]
 
     def test_a_static_search_does_not_stop_at_a_stiff_body(self):
         # The link turns by a quarter turn on a hinge that an elastic block carries, soft or as stiff as steel.
-        self.write("block.geo", 'SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 0.1, 0.1, 0.1};\nMeshSize{ PointsOf{ Volume{1}; } } = 0.1;\n'
-                   'Physical Volume("block") = {1};\nPhysical Surface("foot") = {1};\nPhysical Surface("top") = {2};\n')
+        self.write("block.geo", BLOCK)
         for modulus, held in itertools.product((3e5, 2e11), ("attached", "coupled")):
             with self.subTest(modulus=modulus, held=held):
                 h = self.solve(f"""mesh: {{file: block.geo}}
@@ -573,8 +580,7 @@ loads: [{{gravity: [0, 0, -9.81]}}]
                 self.assertLess(h["newton_iterations"].sum(), 15)
 
     def test_a_point_of_reference_without_inertia_moves_with_its_surface(self):
-        self.write("block.geo", 'SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 0.1, 0.1, 0.1};\nMeshSize{ PointsOf{ Volume{1}; } } = 0.1;\n'
-                   'Physical Volume("block") = {1};\nPhysical Surface("foot") = {1};\nPhysical Surface("top") = {2};\n')
+        self.write("block.geo", BLOCK)
         h = self.solve("""mesh: {file: block.geo}
 bodies: [{volume: block, density: 2000, elasticity: {model: neo-hookean, youngs_modulus: 2e5, poissons_ratio: 0.3}}]
 constraints: [{surface: foot, displacement: [0, 0, 0]}]
