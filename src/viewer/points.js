@@ -60,12 +60,15 @@ export class Points {
     const [solid, seen] = [body, clear].map((mesh) => vertexOnRay(from, along, view.positions.array, mesh.geometry.index.array, hides));
     const vertex = solid >= 0 ? solid : seen;
     if (vertex < 0) return;
-    const same = this.picked.find((point) => point.vertex === vertex && point.surface === view.at.surface);
+    // Its row shows every field: these are unpacked before a drawing of the point can ask for them.
+    const { bodies } = view, { surface } = view.at;
+    await Promise.all(bodies.fields.map((_, i) => bodies.need(i)));
+    if (view.bodies !== bodies) return;  // a page that watches its run has others now
+    const same = this.picked.find((point) => point.vertex === vertex && point.surface === surface);
     if (same) return this.drop(same);
     if (this.picked.length === COLOURS.length) this.picked.shift();
     const colour = COLOURS.find((c) => !this.picked.some((point) => point.colour === c));
-    this.picked.push({ vertex, surface: view.at.surface, colour });
-    await Promise.all(view.bodies.fields.map((_, i) => view.bodies.need(i)));
+    this.picked.push({ vertex, surface, colour });
     this.change();
   }
 

@@ -205,6 +205,19 @@ class ReportControls(ProgramTest):
         self.assertEqual(browser.evaluate("[pliant.points.picked.length, document.querySelectorAll('.picked').length, document.querySelector('#points').hidden]"), [0, 0, True])
         self.assertEqual(browser.evaluate("document.querySelectorAll('#plots figure').length"), plots)
 
+    def test_points_wait_for_the_fields_of_their_rows(self):
+        """Large results take a while to unpack, and the page draws meanwhile."""
+        browser = self.open()
+        corner = int(np.argmax(self.positions(10) @ [1, -1, 1]))
+        browser.evaluate("""(bodies => { const need = bodies.need.bind(bodies);
+            bodies.need = async (field) => { await new Promise(done => { pliant.unpack = [...(pliant.unpack ?? []), done]; }); return need(field); }; })(pliant.bodies)""")
+        browser.click(self.on_screen(browser, corner))
+        browser.wait("pliant.unpack?.length === pliant.bodies.fields.length")
+        browser.evaluate("(pliant.view.set({}), pliant.view.render())")
+        self.assertEqual(browser.evaluate("document.querySelector('#points').hidden"), True)
+        browser.evaluate("pliant.unpack.forEach(done => done())")
+        browser.wait("pliant.points.picked.length === 1 && !document.querySelector('#points').hidden")
+
     def test_cut(self):
         browser = self.open()
         browser.choose("#colour", "plain")
