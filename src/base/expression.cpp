@@ -123,19 +123,24 @@ ExpressionError explained(const mu::ParserError& error, const mu::Parser& parser
 /// Finds the times at which a formula changes branch, where it is not as smooth as time integration needs.
 class KinkSearch {
  public:
-  /// Times that are the same at all places.
+  /// Times that are the same at all places; the end may be one.
   KinkSearch(const FormulaTree& formula, bool uses_space, double end, double interval)
-      : formula_(formula), end_(end), interval_(interval), checked_{{0.0, 0.0, 0.0}} {
+      : formula_(formula),
+        end_(end),
+        latest_(end * (1.0 + 2.0 * same)),
+        interval_(interval),
+        checked_{{0.0, 0.0, 0.0}} {
     // Places chosen so that formulas with round numbers do not vanish there.
     if (uses_space) checked_.insert(checked_.end(), {{0.317, -0.539, 0.771}, {-13.7, 7.91, 23.3}});
     look_at(formula.linear_crossings(end));
   }
-  /// Times at one place.
+  /// Times at one place, before the end.
   KinkSearch(const FormulaTree& formula, const std::array<double, 3>& X, double end, double interval)
       : formula_(formula),
         which_(FormulaTree::Branches::in_place_and_time),
         X_(X),
         end_(end),
+        latest_(end * (1.0 - nearness)),
         interval_(interval),
         checked_{X} {
     look_at({});
@@ -148,6 +153,7 @@ class KinkSearch {
     constexpr double most_samples = 1e6;
     const auto num_samples = static_cast<int>(std::clamp(std::ceil(end_ / interval_), 1.0, most_samples));
     for (int k = 1; k <= num_samples; ++k) times.push_back(end_ * k / num_samples);
+    times.push_back(end_ * (1.0 + nearness));
     std::ranges::sort(times);
     std::vector<double> before, after;
     take_branches(0.0, before);
@@ -185,7 +191,7 @@ class KinkSearch {
   }
 
   void add(double t) {
-    if (t <= nearness * end_ || t >= end_ * (1.0 - nearness)) return;
+    if (t <= nearness * end_ || t > latest_) return;
     if (!found_.empty() && t <= found_.back() * (1.0 + 2.0 * same)) return;
     if (is_kink(t)) found_.push_back(t);
   }
@@ -211,7 +217,7 @@ class KinkSearch {
   const FormulaTree& formula_;
   FormulaTree::Branches which_ = FormulaTree::Branches::in_time;
   std::array<double, 3> X_{};
-  double end_, interval_;
+  double end_, latest_, interval_;
   std::vector<std::array<double, 3>> checked_;  // sample places; a kink counts if one of them shows it
   int num_changes_ = 0;
   std::vector<double> found_;

@@ -41,12 +41,12 @@ class Expression {
   /// The value and its time derivatives, exact to rounding. At a kink or a jump they are one-sided: those of the side
   /// on which the time `side`, near t, lies.
   TimeJet derivatives(double x, double y, double z, double t, double side) const;
-  /// Times in (0, end) at which the formula, its rate or its acceleration jumps (by `min`, `max`, `abs`, `sign`,
+  /// Times in (0, end] at which the formula, its rate or its acceleration jumps (by `min`, `max`, `abs`, `sign`,
   /// `rint`, comparisons, `? :`), ascending, without those that depend on the place. Found where the formula takes
   /// another branch at k * interval than at (k + 1) * interval, and where something linear in t changes branch. A
   /// nonlinear feature that lasts for less than the interval may be missed.
   std::vector<double> kinks(double end, double interval) const;
-  /// The times at X, of those that depend on the place.
+  /// The times at X before the end, of those that depend on the place.
   std::vector<double> kinks_at(const std::array<double, 3>& X, double end, double interval) const;
   bool depends_on_space() const;
   bool depends_on_time() const;

@@ -200,8 +200,11 @@ Events events_of(const Config& config) {
   Events events;
   if (!has_steps(config)) return events;
   events.times = config.time.events;
-  const std::vector<Kink> kinks = kinks_of(config);
-  if (kinks.empty()) return events;
+  std::vector<Kink> kinks = kinks_of(config);
+  // Steps end at the end in any case. That it is an event matters to the last one, and to a run that goes on from
+  // there.
+  const auto is_end = [&](const Kink& kink) { return kink.time >= config.time.end - same * config.time.step; };
+  const bool is_at_end = std::erase_if(kinks, is_end) > 0;
   // Each event costs a step and the past states; at least two steps must lie between them.
   constexpr double always_taken = 50.0;
   const double most = std::max(always_taken, 0.5 * config.time.end / config.time.step);
@@ -213,12 +216,13 @@ Events events_of(const Config& config) {
                      "shorter steps, "
                      "or list those that matter in 'time.events'",
                      kinks.size(), in_words(kinks))});
-    return events;
+  } else if (!kinks.empty()) {
+    std::ranges::transform(kinks, std::back_inserter(events.times), &Kink::time);
+    std::ranges::sort(events.times);
+    events.diagnostics.push_back(note(
+        fmt::format("formulas of t have kinks or jumps; steps end there, as at 'time.events': {}", in_words(kinks))));
   }
-  std::ranges::transform(kinks, std::back_inserter(events.times), &Kink::time);
-  std::ranges::sort(events.times);
-  events.diagnostics.push_back(note(
-      fmt::format("formulas of t have kinks or jumps; steps end there, as at 'time.events': {}", in_words(kinks))));
+  if (is_at_end) events.times.push_back(config.time.end);
   return events;
 }
 

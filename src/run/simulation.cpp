@@ -131,6 +131,8 @@ void Simulation::keep(Archive& archive) {
   steps_.least_gap = std::numeric_limits<double>::infinity();
   measure_contact();
   if (path_has_ended()) control_->stop();
+  // The run that goes on ended at an event, or is told of one there now.
+  if (control_->starts_at_event() && !control_->finished() && steps_since_restart_ > 0) restart();
 }
 
 bool Simulation::path_has_ended() {
@@ -221,7 +223,8 @@ StepOutcome Simulation::advance() {
   }
   accepted_ = control_->progress();
   const bool touches = touched || record_.contact.num_points > 0.0;
-  const bool restarts = control_->at_event() || extrapolates_impact(step, touches);
+  const bool extrapolates = extrapolates_impact(step, touches);
+  const bool restarts = (control_->at_event() && !control_->finished()) || extrapolates;
   if (restarts) restart();
   if (follower_ != nullptr) follower_->end_step(restarts);
   return {StepOutcome::Kind::accepted, std::move(concession), step};

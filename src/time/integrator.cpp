@@ -70,6 +70,7 @@ void Integrator::accept(const StepAttempt& attempt) {
 }
 
 void Integrator::keep(Archive& archive) {
+  archive.number("last_dt", last_dt_);
   {
     const Archive::Section section(archive, "history");
     history_.keep(archive);

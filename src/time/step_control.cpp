@@ -96,11 +96,16 @@ StepControl::Target StepControl::target() const {
   const double nominal = nominal_time(progress_.nominal + 1), same = 0.5 * sliver * plan_.dt;
   const auto event = std::ranges::upper_bound(plan_.events, progress_.time + same);
   const bool is_end = progress_.nominal + 1 == num_nominal_;
-  if (event == plan_.events.end() || *event > nominal + same || (is_end && *event >= nominal)) {
+  if (event == plan_.events.end() || *event > nominal + same) {
     return {nominal, false, true};
   }
   const bool is_nominal = std::abs(*event - nominal) <= same;
   return {is_nominal && is_end ? nominal : *event, true, is_nominal};
+}
+
+bool StepControl::starts_at_event() const {
+  const double same = 0.5 * sliver * plan_.dt;
+  return std::ranges::any_of(plan_.events, [&](double event) { return std::abs(event - progress_.time) <= same; });
 }
 
 Step StepControl::next() const {

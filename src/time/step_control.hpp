@@ -124,6 +124,8 @@ class StepControl {
 
   /// The last accepted step ended at an event, or met a jump: past states say nothing about what follows.
   bool at_event() const { return progress_.at_event; }
+  /// There is an event of the plan where the next step starts.
+  bool starts_at_event() const;
   /// The last accepted step ended at a nominal time or interval, or at the end.
   bool at_interval() const { return progress_.at_interval; }
 

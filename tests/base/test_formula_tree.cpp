@@ -125,7 +125,7 @@ TEST(Kinks, AreFoundToTheLastDigit) {
       {"t < 0.1 ? 0 : 1", {0.1}},
       {"t > 0.1", {0.1}},
       {"min(t/0.1, 1) - max(0, t - 0.7)", {0.1, 0.7}},
-      {"max(0, sin(2*pi*t))", {0.5}},
+      {"max(0, sin(2*pi*t))", {0.5, 1.0}},
       {"abs(t - 0.3) + abs(t - 0.3000007)", {0.3, 0.3000007}},
       {"rint(4*t)", {0.125, 0.375, 0.625, 0.875}},
       {"(t >= 0.2)*(t < 0.21)*50", {0.2, 0.21}},
@@ -134,10 +134,13 @@ TEST(Kinks, AreFoundToTheLastDigit) {
       {"t < 0.1 ? 0 : (t - 0.1)^2", {0.1}},  // the acceleration jumps
       {"t < 0.1 ? 0 : (t - 0.1)^5", {}},     // smooth enough for all
       {"abs(t - 0.4)^5", {}},
-      {"abs(sin(pi*t))", {}},  // at the ends alone
+      {"abs(sin(pi*t))", {1.0}},  // at the ends alone, and the start is none
       {"max(t, -1)", {}},
       {"min(x*t, 0.5*t)", {}},  // another at each place
       {"sin(20*t)", {}},
+      {"min(t, 1)", {1.0}},  // of importance to what goes on from there
+      {"t < 1 ? 2 : 3", {1.0}},
+      {"min(t, 1.0001)", {}},
       {"x > 0.5", {}},
       {"t == 0.25", {}},
       {"(t >= 0.2)*(t < 0.20001)*50", {0.2, 0.20001}},  // shorter than the interval, but linear in t

@@ -235,6 +235,27 @@ class Continuation(RestartTest):
         np.testing.assert_allclose(history["dt"][-10:], 0.002)
         self.assert_frames_are_the_rows("part")
 
+    def test_a_run_that_ends_at_an_event_goes_on_from_it(self):
+        """The row at the event shows the velocities before it: nothing follows, as far as that run knows."""
+        stamped = 'constraints=[{surface: left, displacement: [0, 0, "0.5*min(t, 0.04)"]}]'
+        cases = {"kink": (stamped,),
+                 "jump": ('loads=[{gravity: [0, 0, "t < 0.04 ? 0 : -9.81"]}]',),
+                 "kink, stages": (stamped, "time.method=dirk23"),
+                 "kink, several steps": (stamped, "time.method=bdf3", "time.startup=dirk33")}
+        for name, settings in cases.items():
+            with self.subTest(name):
+                for directory in ("whole", "part"):
+                    shutil.rmtree(self.out(directory), ignore_errors=True)
+                whole = self.run_input(self.input, *settings, "checkpoint.every=8", output="whole")
+                part = self.run_input(self.input, *settings, "checkpoint.every=8", "time.end=0.04", output="part")
+                self.assertEqual(part["time"][-1], 0.04)
+                self.resume("part", "--set", "time.end=0.1")
+                rows = [self.text(directory).splitlines() for directory in ("part", "whole")]
+                at_event = 1 + int(np.argmin(np.abs(whole["time"] - 0.04)))
+                for of_run in rows:
+                    del of_run[at_event]
+                self.assertEqual(*rows)
+
     def test_what_a_static_run_depends_on(self):
         # Its end is the time of its loads, and load factors and lengths of paths do not mix.
         text = BODY.replace(BODY[BODY.index("    viscosity"):BODY.index("constraints")], "").replace(", \"0.02*sin(20*t)\"]", ", 0]")
@@ -432,7 +453,7 @@ class Damage(RestartTest):
 
     def test_another_version(self):
         self.older.unlink()
-        self.newer.write_bytes(self.newer.read_bytes().replace(b"version 3", b"version 1", 1))
+        self.newer.write_bytes(self.newer.read_bytes().replace(b"version 4", b"version 1", 1))
         self.fails(4, "another version", numbers_of_ranks=(1, 2))
 
     def test_no_checkpoint(self):
