@@ -74,7 +74,8 @@ StageReport NewtonSolver::solve_for_unknowns(const StagePoint& stage, Vec q, Gue
     loop_.use_guess(q, guess.measure);
     const Handle<Vec> start = objective_.is_static() ? copy_of(q) : Handle<Vec>();
     report = iterate(q);
-    if (start && report.outcome == StageOutcome::retry) report = iterate_with_drag(q, start.get(), report);
+    const bool is_over = report.outcome != StageOutcome::retry || equation_.is_far_from_guess(q);
+    if (start && !is_over) report = iterate_with_drag(q, start.get(), report);
     coefficients_.settle(q, report);
   }
   if (report.outcome == StageOutcome::converged) {

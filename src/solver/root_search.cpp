@@ -1,5 +1,7 @@
 #include "solver/root_search.hpp"
 
+#include <algorithm>
+
 namespace pliant {
 namespace {
 
@@ -8,6 +10,8 @@ constexpr int few = 12;
 /// Steps of descent, and damped ones, before the other kind has its turn: the Hessians of descent, which are not the
 /// exact ones, converge slowly.
 constexpr int turn = 6;
+/// Most stages that begin with what has helped before damped steps are tried again.
+constexpr int most_patience = 32;
 
 }  // namespace
 
@@ -34,7 +38,7 @@ class RootSearch::Runs {
     newton_ += report_.newton_iterations;
     linear_ += report_.linear_iterations;
     objective_.set_aim(objective_.usual_aim());
-    return report_.outcome != StageOutcome::retry;
+    return report_.outcome != StageOutcome::retry || objective_.equation().is_far_from_guess(q_);
   }
   /// Steps of descent, a few at a time, each time followed by damped ones; whether the last run was the last one.
   bool descend(int max_iterations) {
@@ -69,7 +73,8 @@ StageReport RootSearch::seek(Vec q, int max_iterations) {
   Runs runs(objective_, iteration_, q);
   const auto run = [&](Aim aim) { return aim == Aim::descent ? runs.descend(max_iterations) : runs.run(aim, few); };
   const bool is_static = objective_.is_static();
-  Aim aim = is_static ? Aim::whole_steps : preferred_;
+  const Aim first = is_static ? Aim::whole_steps : learned_.num_left > 0 ? learned_.preferred : Aim::root;
+  Aim aim = first;
   bool is_over = run(aim);
   for (const Aim next : {Aim::whole_steps, Aim::descent}) {
     if (is_over || is_static || aim == Aim::descent || iteration_.is_converging()) break;
@@ -77,7 +82,14 @@ StageReport RootSearch::seek(Vec q, int max_iterations) {
     aim = next;
     is_over = run(aim);
   }
-  preferred_ = is_over || iteration_.is_converging() ? aim : Aim::root;
+  const Aim helped = is_over || iteration_.is_converging() ? aim : Aim::root;
+  if (helped == Aim::root) {
+    learned_ = {};
+  } else if (helped == first) {
+    --learned_.num_left;
+  } else {
+    learned_ = {helped, learned_.patience, std::min(2 * learned_.patience, most_patience)};
+  }
   if (!is_over) runs.run(Aim::root, max_iterations);
   return runs.report();
 }

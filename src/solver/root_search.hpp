@@ -20,10 +20,12 @@ namespace pliant {
 ///   potential. Merits of residuals have minima that do not solve anything where barriers begin to act.
 ///
 /// A stage without inertia begins with whole steps. One with inertia begins with damped steps, or with the kind that
-/// solved the last stage. Damped and whole steps get a few iterations from the guess. Then a few of descent and damped
-/// ones take turns, and at last there are damped ones.
+/// solved the last stage; after some stages damped steps are tried again, the later the oftener that was in vain.
+/// Damped and whole steps get a few iterations from the guess. Then a few of descent and damped ones take turns, and at
+/// last there are damped ones.
 ///
-/// Invariant: what was learned from earlier stages is the kind of steps, which `forget` clears.
+/// Invariant: what was learned from earlier stages is the kind of steps and for how long it counts, which `forget`
+/// clears.
 class RootSearch {
  public:
   /// The references outlive the object.
@@ -32,14 +34,18 @@ class RootSearch {
   /// Solves the stage from the guess in q. On return the aim of the objective is the usual one. Collective.
   StageReport seek(Vec q, int max_iterations);
 
-  void forget() { preferred_ = Aim::root; }
+  void forget() { learned_ = {}; }
 
  private:
   class Runs;
 
   Objective& objective_;
   Iteration& iteration_;
-  Aim preferred_ = Aim::root;
+  struct Learned {
+    Aim preferred = Aim::root;
+    int num_left = 0;  // stages that begin with it
+    int patience = 2;  // stages that begin with the next kind that helps where damped steps do not
+  } learned_;
 };
 
 }  // namespace pliant

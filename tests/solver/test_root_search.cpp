@@ -51,6 +51,26 @@ TEST(RootSearches, TryWholeStepsThenDescent) {
   EXPECT_EQ(search.script.aims(), Aims{Aim::root});
 }
 
+TEST(RootSearches, TryDampedStepsAgain) {
+  Search search;
+  const auto first_of_stage = [&](std::size_t failures) {
+    EXPECT_EQ(search.stage(failures).outcome, StageOutcome::converged);
+    return search.script.aims().front();
+  };
+  // What has helped is the first kind of 2 stages, then, as damped steps fail again, of 4, and so on.
+  EXPECT_EQ(first_of_stage(2), Aim::root);
+  for (const int patience : {2, 4, 8, 16, 32, 32}) {
+    for (int k = 0; k < patience; ++k) EXPECT_EQ(first_of_stage(0), Aim::descent);
+    EXPECT_EQ(first_of_stage(2), Aim::root);
+  }
+  for (int k = 0; k < 32; ++k) EXPECT_EQ(first_of_stage(0), Aim::descent);
+  // Where they help, nothing is left of that.
+  EXPECT_EQ(first_of_stage(0), Aim::root);
+  EXPECT_EQ(first_of_stage(2), Aim::root);
+  for (int k = 0; k < 2; ++k) EXPECT_EQ(first_of_stage(0), Aim::descent);
+  EXPECT_EQ(first_of_stage(0), Aim::root);
+}
+
 TEST(RootSearches, TakeTurnsUntilTheirIterationsAreSpent) {
   Search search;
   const StageReport report = search.stage(1000, 12);
