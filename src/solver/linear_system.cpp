@@ -28,6 +28,10 @@ constexpr double regularization = 1e-3;
 /// Fraction of a linear system's residual that conjugate gradients may leave when they meet negative curvature.
 constexpr double truncated_part = 0.1;
 
+/// Part of the iterations allowed after which conjugate gradients give up a K that is symmetric but for its border.
+constexpr int part_as_symmetric = 5;
+constexpr int most_in_vain = 6;
+
 bool is_of_type(KSP ksp, KSPType type) {
   PetscBool is = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), type, &is));
@@ -67,6 +71,7 @@ LinearSystem::LinearSystem(Objective& objective, KSP ksp, Handle<Mat> K, SolverS
       may_choose_krylov_(is_of_type(ksp, KSPCG) && equation_.symmetry() == Symmetry::symmetric) {
   for (std::size_t k = 0; k < equation_.num_rank_one(); ++k) parts_.push_back({0.0, equation_.make_vector()});
   if (!parts_.empty()) rank_one_ = std::make_unique<RankOneSystem>(ksp, K_.get(), parts_);
+  check(KSPGetTolerances(ksp, nullptr, nullptr, nullptr, &most_iterations_));
   PetscBool rotates = PETSC_TRUE;
   check(PetscOptionsGetBool(nullptr, nullptr, "-newton_turn_factor", &rotates, nullptr));
   // Multigrid smooths with the current K, which has already rotated.
@@ -139,6 +144,23 @@ std::optional<PetscInt> LinearSystem::unstable_modes() const {
   return number;
 }
 
+// Conjugate gradients keep the residual r - K y itself, so what they end with solves the system whatever the symmetry
+// of K; only their pace depends on it. The border makes K unsymmetric by little, and they spare the vectors of GMRES.
+void LinearSystem::take_as_symmetric(bool is_taken) {
+  if (is_taken == is_taken_as_symmetric_ || !is_of_type(ksp_, is_taken ? KSPFGMRES : KSPCG)) return;
+  is_taken_as_symmetric_ = is_taken;
+  set_krylov_method(ksp_, is_taken ? Symmetry::symmetric : Symmetry::nearly_symmetric);
+  check(KSPSetTolerances(ksp_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
+                         is_taken ? most_iterations_ / part_as_symmetric : most_iterations_));
+}
+
+void LinearSystem::choose_for_border() {
+  if (is_taken_as_symmetric_) num_in_vain_ = 0;
+  const bool waits = num_not_symmetric_ > 0;
+  if (waits) --num_not_symmetric_;
+  take_as_symmetric(!waits && has_right_inertia());
+}
+
 void LinearSystem::choose_krylov_method() {
   if (!may_choose_krylov_) return;
   set_krylov_method(ksp_, has_right_inertia() ? Symmetry::symmetric : Symmetry::indefinite);
@@ -184,6 +206,7 @@ void LinearSystem::factorize(Vec q, Indefinite indefinite) {
     bordered_->set_up(K_.get());
     bordered_->follow(K_.get(), parts_);
   }
+  if (bordered_) choose_for_border();
   ++statistics_.factorizations;
   escalation_.factorized();
 }
@@ -303,6 +326,10 @@ FactorPolicy::Factored LinearSystem::what_is_factored() const {
 }
 
 void LinearSystem::improve_poor_factor(Vec q, Vec r, Vec y) {
+  {
+    const Stopwatch watch(statistics_.solve_seconds);
+    solve_as_unsymmetric(r, y);  // SNES has solved it
+  }
   const auto is_poor = [&] {
     if (FactorPolicy::is_poor(last_solve(), whose_factor(), what_is_factored())) return true;
     return !escalation_.has_kept_factor() && !factor_.has_failed() && is_inverse_wrong(ksp_);
@@ -315,6 +342,18 @@ void LinearSystem::improve_poor_factor(Vec q, Vec r, Vec y) {
 
 void LinearSystem::solve(Vec r, Vec y) {
   const Stopwatch watch(statistics_.solve_seconds);
+  check(KSPSolve(ksp_, r, y));
+  statistics_.linear_iterations += last_iterations();
+  solve_as_unsymmetric(r, y);
+}
+
+void LinearSystem::solve_as_unsymmetric(Vec r, Vec y) {
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  check(KSPGetConvergedReason(ksp_, &reason));
+  if (!is_taken_as_symmetric_ || reason > 0) return;
+  take_as_symmetric(false);
+  num_in_vain_ = std::min(num_in_vain_ + 1, most_in_vain);
+  num_not_symmetric_ = 1 << num_in_vain_;
   check(KSPSolve(ksp_, r, y));
   statistics_.linear_iterations += last_iterations();
 }

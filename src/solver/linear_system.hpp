@@ -117,6 +117,13 @@ class LinearSystem {
   bool factorize_with_projected_walls(Vec q);
   /// Adds to the diagonal of K.
   void shift(double by);
+  /// Solves a K that is symmetric but for its border by conjugate gradients from now on, or by GMRES.
+  void take_as_symmetric(bool is_taken);
+  /// Chooses one of these for a new factor: the oftener conjugate gradients were in vain, the later they are tried
+  /// again.
+  void choose_for_border();
+  /// Solves by GMRES what conjugate gradients, if they were chosen for a border, have failed to solve.
+  void solve_as_unsymmetric(Vec r, Vec y);
   /// Chooses conjugate gradients for a definite Hessian, GMRES otherwise.
   void choose_krylov_method();
   /// Number of negative eigenvalues of the Hessian with its rank-one terms, from the factorization of the current K.
@@ -141,6 +148,10 @@ class LinearSystem {
   std::unique_ptr<BorderedSystem> bordered_;  // nullptr if K has no border
   FactorPolicy factor_;
   Escalation escalation_;
+  bool is_taken_as_symmetric_ = false;
+  int num_in_vain_ = 0;        // factors in a row with which conjugate gradients failed
+  int num_not_symmetric_ = 0;  // factors left before they are tried again
+  PetscInt most_iterations_ = 0;
   bool may_choose_krylov_;  // the linear solver is conjugate gradients, and not by the user's choice
   bool projects_walls_ = false;
   Remedy remedy_ = Remedy::projected_walls;
