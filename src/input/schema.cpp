@@ -1,9 +1,9 @@
 #include "input/schema.hpp"
 
 #include "base/text.hpp"
+#include "input/unknown_key.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -11,82 +11,6 @@ namespace pliant {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::vector<std::string> names_of(const std::vector<KeyInfo>& keys) {
-  std::vector<std::string> names;
-  for (const KeyInfo& key : keys) names.push_back(key.key);
-  return names;
-}
-
-std::string in_section(const std::string& name) {
-  return name.empty() ? "" : " in " + name;
-}
-
-bool is_given(const InputNode& node, const std::string& key) {
-  const InputNode* value = node.find(key);
-  return value != nullptr && value->kind != InputNode::Kind::null;
-}
-
-bool is_given(const InputNode& node, const Anchor& anchor) {
-  return is_given(node, anchor.key) && (anchor.value.empty() || node.find(anchor.key)->text == anchor.value);
-}
-
-/// Digits, such as the end of a number after a decimal comma.
-bool starts_with_digit(std::string_view text) {
-  return !text.empty() && std::isdigit(static_cast<unsigned char>(text.front())) != 0;
-}
-
-/// The keys that are useful with what is chosen.
-std::vector<KeyInfo> usable(const InputNode& node, const KeyInfo& section) {
-  const auto is_chosen = [&](const Anchor& anchor) { return is_given(node, anchor); };
-  const auto is_open = [&](const Anchor& anchor) {
-    return std::none_of(section.children.begin(), section.children.end(), [&](const KeyInfo& other) {
-      return std::any_of(other.only_with.begin(), other.only_with.end(),
-                         [&](const Anchor& a) { return a.key == anchor.key && is_given(node, a); });
-    });
-  };
-  std::vector<KeyInfo> keys;
-  std::copy_if(section.children.begin(), section.children.end(), std::back_inserter(keys), [&](const KeyInfo& key) {
-    return key.only_with.empty() || is_open(key.only_with.front()) ||
-           std::any_of(key.only_with.begin(), key.only_with.end(), is_chosen);
-  });
-  return keys;
-}
-
-/// The key that was probably meant by one that does not exist.
-std::optional<std::string> meant_by(const std::string& key, const std::vector<KeyInfo>& keys) {
-  for (const KeyInfo& known : keys) {
-    if (std::find(known.also.begin(), known.also.end(), key) != known.also.end()) return known.key;
-  }
-  return closest(key, names_of(keys));
-}
-
-std::string unknown_key(const InputNode& child, const std::string& section_name, const InputNode& node,
-                        const KeyInfo& section) {
-  const std::string& key = child.key;
-  if (child.kind == InputNode::Kind::null && starts_with_digit(key) && !is_part_of_formula(key)) {
-    return "'" + excerpt(key) + "' stands alone after a ','; a decimal point is written '.'";
-  }
-  if (child.kind == InputNode::Kind::null && is_part_of_formula(key)) {
-    return "'" + excerpt(key) +
-           "' is part of a formula that was split at a ','; inside { }, put the formula in quotes, such as " +
-           "\"min(t, 1)\"";
-  }
-  const std::string message = "unknown key '" + excerpt(key) + "'" + in_section(section_name);
-  const auto keys = usable(node, section);
-  const auto names = names_of(keys);
-  if (const std::size_t colon = key.find(':'); colon != std::string::npos) {
-    return message + " (the ':' after a key must be followed by a space)";
-  }
-  if (const auto meant = meant_by(key, keys)) return message + " (did you mean '" + *meant + "'?)";
-  for (const KeyInfo& other : section.children) {
-    const auto inner = names_of(other.children);
-    if (std::find(inner.begin(), inner.end(), key) != inner.end()) {
-      return message + " (it belongs in " + other.key + ")";
-    }
-  }
-  return message + "; the keys are " + joined(names);
-}
 
 std::vector<std::string> given_keys(const InputNode& node, const KeyGroup& group) {
   std::vector<std::string> given;
@@ -170,13 +94,6 @@ std::vector<Anchor> anchors_of(const std::string& key, const KeyInfo& section) {
 bool has_default(const std::string& key, const KeyInfo& section) {
   return std::any_of(section.children.begin(), section.children.end(),
                      [&](const KeyInfo& child) { return child.key == key && !child.fallback.empty(); });
-}
-
-/// The key for which users may mean this key of another choice.
-std::optional<std::string> synonym_of(const std::string& key, const std::vector<KeyInfo>& keys) {
-  const auto found =
-      std::find_if(keys.begin(), keys.end(), [&](const KeyInfo& other) { return holds(other.also, key); });
-  return found == keys.end() ? std::nullopt : std::optional(found->key);
 }
 
 /// Reports keys whose owners are not given. None where a choice is missing, which is already an error.
@@ -377,11 +294,11 @@ bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& s
     }
     return false;
   }
+  if (name.empty()) diagnostics.look_up_in(section);
   const auto names = names_of(section.children);
   for (const InputNode& child : node.children) {
     if (std::find(names.begin(), names.end(), child.key) == names.end()) {
-      diagnostics.add(child.key_where, unknown_key(child, name, node, section));
-      if (const auto meant = meant_by(child.key, usable(node, section))) diagnostics.note_wrong(node.where, *meant);
+      report_unknown_key(child, name, node, section, diagnostics);
     }
   }
   for (const KeyInfo& key : section.children) {

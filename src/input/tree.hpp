@@ -12,6 +12,8 @@
 
 namespace pliant {
 
+struct KeyInfo;
+
 /// Collects what is wrong with an input, so that all of it is reported at once, and what may be.
 class Diagnostics {
  public:
@@ -33,6 +35,9 @@ class Diagnostics {
   }
   /// An error says what is wrong with `key` of the section, or with a misspelling of it.
   void note_wrong(const Location& section, const std::string& key) { wrong_.emplace(to_string(section), key); }
+  /// All keys of the file that is read, in which an unknown key of a section is looked up. Kept by the caller.
+  void look_up_in(const KeyInfo& file) { keys_of_file_ = &file; }
+  const KeyInfo* keys_of_file() const { return keys_of_file_; }
   std::size_t num_errors() const { return found_.size(); }
   /// Throws InputError with every error, in the order of the file; returns if there is none.
   void throw_if_errors() const;
@@ -48,6 +53,7 @@ class Diagnostics {
   std::vector<Error> found_;
   std::vector<Diagnostic> warnings_;
   std::set<std::pair<std::string, std::string>> wrong_;  // where the section is, the key meant
+  const KeyInfo* keys_of_file_ = nullptr;
 };
 
 /// A value of the input and, in a map, its key. Aliases are resolved (copied).

@@ -36,6 +36,18 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{6, "@titel: x", "unknown key 'titel' (did you mean 'title'?)"},
         Bad{6, "@colour: red", "unknown key 'colour'; the keys are title, mesh,"},
         Bad{6, "@method: bdf2", "unknown key 'method' (it belongs in time)"},
+        Bad{1, "mesh: {file: a.msh, @element: P2}", "unknown key 'element' in mesh (it belongs at the top level)"},
+        Bad{2,
+            "bodies: [{@volumetric: mixed, density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: "
+            "0}}]",
+            "unknown key 'volumetric' in bodies[0] (it belongs at the top level)"},
+        Bad{2, "bodies: [{@mass: 1, density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}}]",
+            "unknown key 'mass' in bodies[0] (it is a key of the top level and of rigid_bodies); the keys here are "
+            "volume, density"},
+        Bad{6, "output: {@max_iterations: 5}",
+            "unknown key 'max_iterations' in output (it is a key of solver.newton); the keys here are directory, "
+            "every"},
+        Bad{6, "solver: {@max_iterations: 5}", "unknown key 'max_iterations' in solver (it belongs in newton)"},
         Bad{5, "time: {step: 0.01, end: 1, @\"end:2\"}", "the ':' after a key must be followed by a space"},
         Bad{5, "time: {step: 0.01, end: 1, @step: 2}", "key 'step' is given twice (first in line 5)"},
         Bad{6, "@mesh: {file: b.msh}", "key 'mesh' is given twice (first in line 1)"},
