@@ -9,6 +9,7 @@
 #include "study/earlier_runs.hpp"
 #include "study/history_plots.hpp"
 #include "study/latin_hypercube.hpp"
+#include "study/result_columns.hpp"
 #include "study/sweep_plots.hpp"
 #include "study/varied_input.hpp"
 
@@ -18,6 +19,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -92,7 +94,6 @@ class Sweep {
       console_.print(fmt::format("[{}/{}] {}: {} after {:.3g} s{}", ++done, cases_.size(),
                                  cases_[index].directory.filename().string(), in_words(how), how.seconds,
                                  in_words(warnings)));
-      warn_of_missing_columns(cases_[index].directory);
     });
     for (std::size_t i = 0; i < cases_.size(); ++i) {
       histories_.push_back(read_labelled_history(label_of(keys_, i), cases_[i].directory / "history.csv"));
@@ -215,7 +216,23 @@ class Sweep {
     std::vector<fs::path> runs;
     for (const Case& one : cases_) runs.push_back(one.directory);
     refuse_other_runs(directory_, runs);
+    refuse_missing_columns();
     make_directory(directory_);
+  }
+
+  /// Looks into one of the cases that differ by numbers alone, which have the same columns.
+  void refuse_missing_columns() const {
+    if (options_.results.empty()) return;
+    std::set<std::vector<std::string>> seen;
+    std::vector<Config> inputs;
+    for (std::size_t i = 0; i < cases_.size(); ++i) {
+      std::vector<std::string> words = values_of(i);
+      std::erase_if(words, [](const std::string& text) {
+        return parse_number(std::string_view(text).substr(0, text.find(' '))).has_value();
+      });
+      if (seen.insert(words).second) inputs.push_back(read_input(text_, file_, cases_[i].changes));
+    }
+    require_columns(PETSC_COMM_WORLD, options_.results, inputs);
   }
 
   /// Cases x swept keys.
@@ -293,27 +310,13 @@ class Sweep {
     }
   }
 
-  /// Those of the histories, without those whose names results have.
+  /// Those of the histories without those of the results' names.
   std::vector<std::string> history_columns() const {
     std::vector<std::string> names = columns_of(histories_);
     std::erase_if(names, [&](const std::string& name) {
       return std::ranges::find(options_.results, name, &RunNumber::name) != options_.results.end();
     });
     return names;
-  }
-
-  /// Once, at the first run that has a history: the others will have the same columns.
-  void warn_of_missing_columns(const fs::path& run) {
-    if (has_looked_for_columns_ || options_.results.empty()) return;
-    const std::vector<LabelledHistory> first{read_labelled_history(run.filename().string(), run / "history.csv")};
-    const auto all = columns_of(first);
-    if (all.empty()) return;
-    has_looked_for_columns_ = true;
-    for (const RunNumber& result : options_.results) {
-      if (std::ranges::find(all, result.column) != all.end()) continue;
-      console_.warn(fmt::format("the history of {} has no column '{}' for --result {}{}", first.front().label,
-                                result.column, result.name, did_you_mean(result.column, all)));
-    }
   }
 
   /// The last value of a column, NaN if there is none.
@@ -432,7 +435,6 @@ class Sweep {
   fs::path directory_;
   std::vector<Case> cases_;
   std::vector<Ended> ended_;
-  bool has_looked_for_columns_ = false;
   std::vector<LabelledHistory> histories_;
 };
 

@@ -123,9 +123,8 @@ class Compare(ProgramTest):
     def test_results_of_a_sweep(self):
         done = self.call("sweep", INPUT, "--output", "out", "--set", "bodies.0.density=[900, 1000]", "--set",
                          "time.method=[bdf2, backward-euler]", "--set", "time.end=40 ms", "--result", "lowest=min(tip_z)", "--result",
-                         "mean(kinetic_energy)", "--result", "max(tip_q)")
+                         "mean(kinetic_energy)")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(done.stderr.count("has no column 'tip_q' for --result max(tip_q) (did you mean 'tip_"), 1)
         with open(self.directory / "out/sweep.csv", encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual(len(rows), 4)
@@ -135,9 +134,8 @@ class Compare(ProgramTest):
             t, y = history["time"], history["kinetic_energy"]
             mean = np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(t)) / (t[-1] - t[0])
             self.assertAlmostEqual(float(row["mean(kinetic_energy)"]), mean, delta=1e-12 * mean)
-            self.assertEqual(row["max(tip_q)"].lower(), "nan")
             self.assertRegex(done.stdout, rf"(?m)^{row['bodies.0.density']} +{row['time.method']} .* {float(row['lowest']):.6g} ")
-        self.assertRegex(done.stdout, r"(?m)^density .* lowest \[m\] +mean\(kinetic_energy\) \[J\] ")
+        self.assertRegex(done.stdout, r"(?m)^density .* lowest \[m\] +mean\(kinetic_energy\) \[J\]$")
         for row in rows:  # what a run printed is with its results
             self.assertIn("energy [J]", (self.directory / "out" / row["directory"] / "log.txt").read_text())
         self.assertEqual([file for file in self.directory.glob("out/0*") if not file.is_dir()], [])

@@ -123,6 +123,19 @@ class Sweep(ProgramTest):
                 self.assertEqual(done.stderr.count("\n"), 1)
         done = self.sweep("time.step=[5 ms, 10 ms]", options=("--result", "exit_code=max(tip_z)"), code=2)
         self.assertIn("sweep.csv has a column of this name already", done.stderr)
+
+    def test_results_of_columns_that_no_run_has(self):
+        """Before anything runs; a column of some of the runs does, and a run that cannot begin says why itself."""
+        for column, expected in (("tip_q", "history.csv has no column 'tip_q' (did you mean 'tip_"), ("clamp_fq", "(did you mean 'clamp_f")):
+            done = self.sweep("time.step=[5 ms, 10 ms]", options=("--result", f"max({column})"), code=2)
+            self.assertIn(f"--result max({column}): history.csv has no column ", done.stderr)
+            self.assertIn(expected, done.stderr)
+            self.assertEqual((done.stdout, done.stderr.count("\n")), ("", 1))
+            self.assertFalse((self.directory / "out").exists())
+        self.sweep("constraints.0.name=[clamp, grip]", "time.end=20 ms", options=("--result", "last(grip_fz)"))
+        self.assertEqual([row["last(grip_fz)"] == "nan" for row in self.rows()], [True, False])
+        done = self.sweep("mesh.file=[nowhere.msh]", options=("--result", "max(clamp_fz)"), code=2)
+        self.assertIn("run 1 failed", done.stderr)
         done = self.call("sweep", self.directory, "--set", "time.step=[1, 2]")
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
         self.assertIn("give the path of an input file", done.stderr)
