@@ -69,37 +69,38 @@ class Comparison {
     std::string table = csv_header({"column", "unit", "run", "largest_difference", "time", "relative_to_range"}) + "\n";
     console_.print(fmt::format("largest differences from {}:", histories_[0].label));
     const ColumnPlots drawn(histories_, directory);
-    std::size_t plots = 0, num_equal = 0;
+    std::size_t plots = 0, num_equal = 0, num_close = 0;
     for (const std::string& column : columns_) {
       Plot plot{column + ", differences from " + histories_[0].label,
                 axis_label(histories_),
                 with_unit(histories_, column),
                 {}};
       plot.scale = Scale::linear;
-      bool is_equal = true;
+      const double rounding = drawn.rounding_of(column);
+      double largest = 0.0;
       for (auto other = std::next(histories_.begin()); other != histories_.end(); ++other) {
         const auto found = difference(histories_[0].table, other->table, column);
-        is_equal = is_equal && found && found->largest == 0.0;
         if (!found) {
           console_.print(fmt::format("  {}: {} and {} do not both have it, or have no time in common", column,
                                      histories_[0].label, other->label));
+          largest = HUGE_VAL;
           continue;
         }
-        const double relative = relative_to_range(column, found->largest);
-        if (found->largest != 0.0) print_difference(column, other->label, *found);
+        largest = std::max(largest, std::abs(found->largest));
+        const double relative = relative_to_range(column, found->largest, rounding);
+        if (std::abs(found->largest) > rounding) print_difference(column, other->label, *found, relative);
         table += csv_header({column, unit_of_column(histories_, column), other->label}) + "," +
                  csv_row(std::vector<double>{found->largest, found->at, relative}) + "\n";
         plot.series.push_back({other->label, found->time, found->value});
       }
-      num_equal += is_equal ? 1 : 0;
+      num_equal += largest == 0.0 ? 1 : 0;
+      num_close += largest > 0.0 && largest <= rounding ? 1 : 0;
       plots += drawn.draw(column) ? 1 : 0;
-      if (std::ranges::all_of(plot.series,
-                              [](const PlotSeries& s) { return std::ranges::count(s.y, 0.0) == std::ssize(s.y); }))
-        continue;
+      if (largest <= rounding || plot.series.empty()) continue;
       write_text_atomically(directory / (file_name_of(column) + "_difference.svg"), svg(plot));
       ++plots;
     }
-    print_equal(num_equal);
+    print_equal(num_equal, num_close);
     write_text_atomically(directory / "compare.csv", table);
     console_.print(fmt::format("results: {0}/compare.csv, {1} plots {0}/*.svg", directory.string(), plots));
     return ExitCode::done;
@@ -130,17 +131,21 @@ class Comparison {
     }
   }
 
-  void print_difference(const std::string& column, const std::string& run, const Difference& found) const {
-    const double relative = relative_to_range(column, found.largest);
+  void print_difference(const std::string& column, const std::string& run, const Difference& found,
+                        double relative) const {
     console_.print(fmt::format("  {}: {:+.6g} in {} at {}{}", with_unit(histories_, column), found.largest, run,
                                instant_text(histories_[0].abscissa, found.at),
                                std::isnan(relative) ? "" : fmt::format(", {:.2g} of its range", relative)));
   }
 
-  void print_equal(std::size_t count) const {
-    if (count == 0) return;
-    const std::string many = count == 1 ? "1 column is" : fmt::format("{} columns are", count);
-    console_.print(fmt::format("  {} equal", count == columns_.size() && count > 1 ? "all " + many : many));
+  /// `exactly`, and those besides that are equal up to rounding.
+  void print_equal(std::size_t exactly, std::size_t nearly) const {
+    const auto in_words = [&](std::size_t count) {
+      const std::string many = count == 1 ? "1 column is" : fmt::format("{} columns are", count);
+      return count == columns_.size() && count > 1 ? "all " + many : many;
+    };
+    if (exactly > 0) console_.print(fmt::format("  {} equal", in_words(exactly)));
+    if (nearly > 0) console_.print(fmt::format("  {} equal up to rounding", in_words(nearly)));
   }
 
   /// Runs of the same name are called by what the user gave, and the same runs by their numbers too.
@@ -166,12 +171,12 @@ class Comparison {
     std::ranges::copy_if(all, std::back_inserter(columns_), [](const auto& name) { return !is_bookkeeping(name); });
   }
 
-  /// The difference as a fraction of the range of the column in the first run; NaN if that is zero or unknown.
-  double relative_to_range(const std::string& column, double value) const {
+  /// The difference as a fraction of the range of the column in the first run; NaN if that is rounding or unknown.
+  double relative_to_range(const std::string& column, double value, double rounding) const {
     const auto* y = histories_[0].table.find(column);
     if (y == nullptr || y->empty()) return NAN;
     const auto [low, high] = std::ranges::minmax(*y);
-    return high > low ? std::abs(value) / (high - low) : NAN;
+    return high - low > rounding ? std::abs(value) / (high - low) : NAN;
   }
 
   const CompareOptions& options_;

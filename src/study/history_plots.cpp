@@ -16,6 +16,24 @@ namespace {
 
 constexpr std::array<std::string_view, 5> bookkeeping{"step", "time", "dt", "newton_iterations", "linear_iterations"};
 constexpr double rounding = 1e-12;  // of the largest value of the same unit
+// What a solver's tolerance leaves where forces balance, as on a closed chamber: they do no such work over a metre.
+constexpr double tolerance = 1e-7;
+constexpr std::array<std::string_view, 3> works{"elastic_energy", "load_work", "support_work"};
+
+/// Largest minus smallest value; 0 of none.
+double extent(const std::vector<double>& values) {
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (const double value : values) {
+    if (std::isfinite(value)) std::tie(low, high) = std::pair{std::min(low, value), std::max(high, value)};
+  }
+  return std::max(high - low, 0.0);
+}
+
+double magnitude(const std::vector<double>& values) {
+  double largest = 0.0;
+  for (const double value : values) largest = std::isfinite(value) ? std::max(largest, std::abs(value)) : largest;
+  return largest;
+}
 
 }  // namespace
 
@@ -46,23 +64,30 @@ std::string file_name_of(std::string text) {
 ColumnPlots::ColumnPlots(std::span<const LabelledHistory> histories, std::filesystem::path directory)
     : histories_(histories), directory_(std::move(directory)), largest_{{"rad", 1.0}} {
   for (const std::string& column : columns_of(histories_)) {
+    const bool is_work = std::ranges::find(works, column) != works.end();
     double& largest = largest_[unit_of_column(histories_, column)];
     for (const LabelledHistory& history : histories_) {
       const auto* values = history.table.find(column);
       if (values == nullptr) continue;
-      for (const double value : *values) largest = std::isfinite(value) ? std::max(largest, std::abs(value)) : largest;
+      largest = std::max(largest, magnitude(*values));
+      if (is_work) work_ = std::max(work_, magnitude(*values));
     }
   }
   largest_[""] = 0.0;  // those without a unit have nothing in common
 }
 
-bool ColumnPlots::varies(const std::vector<double>& values, const std::string& unit) const {
-  double low = HUGE_VAL, high = -HUGE_VAL;
-  for (const double value : values) {
-    if (std::isfinite(value)) std::tie(low, high) = std::pair{std::min(low, value), std::max(high, value)};
+double ColumnPlots::rounding_of(const std::string& column) const {
+  const std::string unit = unit_of_column(histories_, column);
+  double change = 0.0, largest = largest_.at(unit);
+  for (const LabelledHistory& history : histories_) {
+    const auto* values = history.table.find(column);
+    if (values == nullptr) continue;
+    change = std::max(change, extent(*values));
+    largest = std::max(largest, magnitude(*values));
   }
-  if (!(high > low)) return false;
-  return high - low > rounding * std::max({largest_.at(unit), std::abs(low), std::abs(high)});
+  const bool is_force = unit == "N" || unit == "N m";
+  const double left = is_force && change <= tolerance * work_ ? tolerance * work_ : 0.0;
+  return std::max(left, rounding * largest);
 }
 
 bool ColumnPlots::draw(const std::string& column) const {
@@ -71,13 +96,13 @@ bool ColumnPlots::draw(const std::string& column) const {
   plot.x_label = axis_label(histories_);
   plot.y_label = with_unit(histories_, column);
   plot.scale = Scale::linear;
-  const std::string unit = unit_of_column(histories_, column);
+  const double unseen = rounding_of(column);
   bool is_seen = false;
   for (const LabelledHistory& history : histories_) {
     const HistoryTable& table = history.table;
     const auto *time = table.find("time"), *values = table.find(column);
     if (time == nullptr || values == nullptr || values->empty()) continue;
-    is_seen = is_seen || varies(*values, unit);
+    is_seen = is_seen || extent(*values) > unseen;
     plot.series.push_back({history.label, *time, *values});
   }
   if (is_seen) write_text_atomically(directory_ / (file_name_of(column) + ".svg"), svg(plot));

@@ -29,13 +29,15 @@ class ColumnPlots {
   /// them. Returns whether it did. Not collective.
   bool draw(const std::string& column) const;
 
- private:
-  /// Whether values vary by more than rounding, next to those of all columns with this unit.
-  bool varies(const std::vector<double>& values, const std::string& unit) const;
+  /// The changes of a column that are rounding: next to the largest value of its unit; of forces and moments that stay
+  /// as they are, what the solver's tolerance leaves.
+  double rounding_of(const std::string& column) const;
 
+ private:
   std::span<const LabelledHistory> histories_;
   std::filesystem::path directory_;
   std::map<std::string, double> largest_;  ///< magnitude, by unit
+  double work_ = 0.0;                      ///< the largest [J]
 };
 
 }  // namespace pliant
