@@ -214,7 +214,7 @@ class Cards(ConvertTest):
             self.assertIn(words, said)
             self.assertIn("not complete", said)
         for card, words in ((f"*EQUATION\n2\n{a}, 1, 1.\n", "\\*EQUATION: 1 of 2 terms are there"), ("*EQUATION\n2\nleft, 1, 1., back, 1, 1.,\n", None),
-                            (f"*EQUATION\n2\nleft, 1, 1., somewhere, 1, 1.\n", "'somewhere' is not the name of a set of nodes"), ("*TRANSFORM, NSET=left\n1, 0, 0, 2, 0, 0\n", "\\*TRANSFORM: its two points"),
+                            (f"*EQUATION\n2\nleft, 1, 1., somewhere, 1, 1.\n", "'somewhere' is neither a number nor the name of a set of nodes"), ("*TRANSFORM, NSET=left\n1, 0, 0, 2, 0, 0\n", "\\*TRANSFORM: its two points"),
                             (f"*NSET, NSET=two\n{a}, {b}\n*EQUATION\n2\nleft, 1, 1., two, 1, 1.\n", "the sets of an equation have 9 and 2 nodes")):
             if words is not None:
                 self.fails(deck(held + card, "*CLOAD\ntop, 1, 1.\n"), f"cube.inp:\\d+: {words}", "cube.inp")
@@ -277,6 +277,16 @@ class Cards(ConvertTest):
         self.assertNotIn("not complete", said)
         low, high = np.array(config["constraints"][-1]["box"], dtype=float)
         np.testing.assert_allclose((low + high) / 2, [1, 0.5, 0], atol=1e-12)
+
+    def test_sets_of_nodes_between_others(self):
+        """Those that the mesh cannot have are listed, unless a condition uses them."""
+        middle = NODES[2, 1, 0], NODES[2, 1, 2]
+        sets = f"*NSET, NSET=middle\n{middle[0]}, {middle[1]}\n*NSET, NSET=mixed\n{NODES[2, 0, 0]}, {middle[0]}\n*NSET, NSET=pulled\n{middle[0]}\n"
+        _, said = self.convert("cube.inp", deck(f"{sets}*BOUNDARY\nleft, 1, 3\npulled, 3, 3, 0.1\n", ""))
+        self.assertIn("cube.inp: nodes in the middle of edges whose ends are not both in their set, and which no group of the mesh can have: middle (2 of 2), mixed (1 of 2)\n", said)
+        many = "".join(f"*NSET, NSET=middle{k}\n{middle[0]}\n" for k in range(7))
+        _, said = self.convert("cube.inp", deck(f"{many}*BOUNDARY\nleft, 1, 3\n", ""))
+        self.assertIn("can have: middle0 (1 of 1), middle1 (1 of 1), middle2 (1 of 1), middle3 (1 of 1), middle4 (1 of 1), 2 others\n", said)
 
 
 if __name__ == "__main__":

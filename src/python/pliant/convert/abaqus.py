@@ -103,9 +103,9 @@ def leave_out(card, diagnostics):
 def add_body(model, name, card, materials, analysis, finished, diagnostics):
     material = materials.by_name.get(card.upper("MATERIAL"))
     if name not in model.element_sets:
-        raise diagnostics.wrong(card.line, f"the set of elements '{name}' is not defined")
+        raise diagnostics.undefined(card.line, f"the set of elements '{name}' is not defined", name, model.element_sets)
     if material is None:
-        raise diagnostics.wrong(card.line, f"the material '{card.value('MATERIAL')}' is not defined")
+        raise diagnostics.undefined(card.line, f"the material '{card.value('MATERIAL')}' is not defined", card.value("MATERIAL"), (m.name for m in materials.by_name.values()))
     if card.has("ORIENTATION"):
         diagnostics.omit(card.line, f"{card.title}, ORIENTATION")
     if not model.element_sets[name]:

@@ -26,6 +26,6 @@ def assembled(cards, diagnostics):
         result.append(card)
         if card.keyword == "INSTANCE":
             if card.upper("PART") not in parts:
-                raise diagnostics.wrong(card.line, f"the part '{card.value('PART')}' of the instance '{card.value('NAME')}' is not defined")
+                raise diagnostics.undefined(card.line, f"the part '{card.value('PART')}' of the instance '{card.value('NAME')}' is not defined", card.value("PART"), parts)
             result += parts[card.upper("PART")]
     return result

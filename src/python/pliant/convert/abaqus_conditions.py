@@ -80,8 +80,9 @@ class AbaqusConditions:
         if name not in self.model.node_sets:
             name = self.mesh.row_of(text)
             if name is None:
-                raise self.diagnostics.wrong(line, f"the set of nodes '{text}' is not defined before this line" if not text.rpartition(".")[2].isdigit()
-                                             else f"node {text} is not defined")
+                if text.rpartition(".")[2].isdigit():
+                    raise self.diagnostics.wrong(line, f"node {text} is not defined")
+                raise self.diagnostics.undefined(line, f"the set of nodes '{text}' is not defined before this line", text, self.model.node_sets)
         self.lines.setdefault(name, line)
         return name
 

@@ -100,7 +100,7 @@ class AbaqusContact:
             name = self.mesh.spelled(name_of, text)
             if name in sets:
                 return Selection(kind, name)
-        raise self.diagnostics.wrong(line, f"the surface '{text}' is not defined")
+        raise self.diagnostics.undefined(line, f"the surface '{text}' is not defined", text, [*self.model.surfaces, *self.model.node_sets])
 
     def pair(self, said, line, entries, interaction):
         names = [entry for entry in entries[:2] if entry]
@@ -114,7 +114,7 @@ class AbaqusContact:
         if not name:
             return Interaction()
         if name.upper() not in self.interactions:
-            raise self.diagnostics.wrong(line, f"the surface interaction '{name}' is not defined")
+            raise self.diagnostics.undefined(line, f"the surface interaction '{name}' is not defined", name, self.interactions)
         return self.interactions[name.upper()]
 
     # ------------------------------------------------------------------ the input

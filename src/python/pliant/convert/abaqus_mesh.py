@@ -211,8 +211,10 @@ class AbaqusMesh:
         name = self.spelled(kind, text)
         if name in sets:
             return sets[name]
-        label = whole(text.rpartition(".")[2] if self.instances else text, line, self.diagnostics, f"'{text}' is not the name of a set of {kind}s before this line, and")
-        return [table[label]] if label in table else []
+        label = text.rpartition(".")[2] if self.instances else text
+        if not label.isdigit():
+            raise self.diagnostics.undefined(line, f"'{text}' is neither a number nor the name of a set of {kind}s before this line", text, sets)
+        return [table[int(label)]] if int(label) in table else []
 
     def nodes(self, text, line):
         return self.rows(text, line, self.model.node_sets, "node", self.nodes_here(text))
@@ -306,7 +308,7 @@ class AbaqusMesh:
     def faces_named(self, text, line):
         name = self.spelled("surface", text)
         if name not in self.model.surfaces:
-            raise self.diagnostics.wrong(line, f"the surface '{text}' is not defined before this line")
+            raise self.diagnostics.undefined(line, f"the surface '{text}' is not defined before this line", text, self.model.surfaces)
         return self.model.surfaces[name]
 
     def sides(self, rows, side, line):

@@ -91,7 +91,8 @@ class AbaqusRigid:
         name = self.mesh.spelled("node", text)
         rows = self.model.node_sets.get(name) or [self.mesh.row_of(text)]
         if len(set(rows)) != 1 or rows[0] is None:
-            raise self.diagnostics.wrong(part.card.line, f"the reference node '{text}' of {part.card.title} is not defined, or more than one node")
+            said = f"the reference node '{text}' of {part.card.title} is not defined, or more than one node"
+            raise self.diagnostics.undefined(part.card.line, said, text, self.model.node_sets if name not in self.model.node_sets else ())
         return rows[0]
 
     @staticmethod

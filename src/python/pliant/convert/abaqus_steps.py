@@ -132,7 +132,7 @@ class AbaqusSteps:
         name = card.upper("AMPLITUDE")
         if name:
             if name not in self.amplitudes:
-                raise self.diagnostics.wrong(card.line, f"the amplitude '{card.value('AMPLITUDE')}' is not defined before this line")
+                raise self.diagnostics.undefined(card.line, f"the amplitude '{card.value('AMPLITUDE')}' is not defined before this line", name, self.amplitudes)
             if self.amplitudes[name] is None:
                 return None
             self.has_amplitudes = True

@@ -91,7 +91,22 @@ def mesh_of(model, diagnostics):
             taken.add(new)
         model.node_sets[name] = (new, rows)
     model.dimensions = {new: mesh.name_nodes(new, rows) for new, rows in model.node_sets.values()}
+    omit_stray_nodes(model, mesh, diagnostics)
     return mesh
+
+
+def omit_stray_nodes(model, mesh, diagnostics):
+    """Lists sets of nodes of which the groups lack some. Where a motion or a load needs these, a box stands for each of them; forces and equations find them."""
+    most = 6
+    conditions = [selection for selection, _ in model.constraints + model.loads if selection is not None and selection.kind == "node"]
+    complete = {selection.name for selection in conditions} | {name for name, _ in model.nodal_forces}
+    related = {row for terms, _ in model.equations for row, *_ in terms}
+    stray = {name: len(set(mesh.loose[new]) - related) for name, (new, _) in model.node_sets.items() if name not in complete}
+    found = [f"{name} ({count} of {len(set(model.node_sets[name][1]))})" for name, count in stray.items() if count]
+    if found:
+        others = [f"{len(found) - most + 1} others"] if len(found) > most else []
+        diagnostics.omit(None, "nodes in the middle of edges whose ends are not both in their set, and which no group of the mesh can have: "
+                         + ", ".join(found[:most - 1] + others if others else found))
 
 
 def groups_of(model, mesh, selection):

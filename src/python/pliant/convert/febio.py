@@ -150,7 +150,7 @@ def add_bodies(root, model, mesh, diagnostics, is_dynamic):
     bodies, rigid = {}, {}  # rigid: material -> names of its domains
     for name, (material, line) in mesh.material_of.items():
         if material not in nodes:
-            raise diagnostics.wrong(line, f"the material '{material}' of {name} is not defined")
+            raise diagnostics.undefined(line, f"the material '{material}' of {name} is not defined", material, nodes)
         node = nodes[material]
         if node.get("type") == "rigid body":
             rigid.setdefault(id(node), (node, []))[1].append(name)

@@ -194,7 +194,7 @@ class FebioConditions:
     def surface(self, node):
         name = node.get("surface")
         if name not in self.model.surfaces:
-            raise self.diagnostics.wrong(node.line, f"the surface '{name}' is not defined")
+            raise self.diagnostics.undefined(node.line, f"the surface '{name}' is not defined", name, self.model.surfaces)
         return name
 
     def read_pressure(self, node):
@@ -264,7 +264,7 @@ class FebioConditions:
         name = node.get("elem_set")
         selection = Selection("element", name) if name in self.model.element_sets else None
         if name and selection is None:
-            raise self.diagnostics.wrong(node.line, f"the element set '{name}' is not defined")
+            raise self.diagnostics.undefined(node.line, f"the element set '{name}' is not defined", name, self.model.element_sets)
         gravity = [Quantity(course.scaled(-1), ACCELERATION) if course is not None else 0 for course in vector]
         if any(gravity):
             self.model.loads.append((selection, {"gravity": gravity}))

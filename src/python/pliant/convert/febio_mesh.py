@@ -90,11 +90,12 @@ class FebioMesh:
             self.other_domains[elements.get("name")] = elements.line
             return
         count = KINDS[kind].nodes
-        rows = []
+        rows, has_more = [], False
         for element in elements.each("elem"):
             labels = [self.whole(part, element.line) for part in element.text.split(",")]
             if len(labels) < count or any(label not in self.row_of_node for label in labels):
                 raise self.diagnostics.wrong(element.line, f"element {element.get('id')} needs {count} nodes that are defined")
+            has_more = has_more or len(labels) > count
             label = self.whole(element.get("id"), element.line)
             if label in self.row_of_element:
                 raise self.diagnostics.wrong(element.line, f"a second element has the number {label}")
@@ -102,6 +103,8 @@ class FebioMesh:
             rows.append(len(self.model.elements))
             self.model.kinds.append(kind)
             self.model.elements.append([self.row_of_node[label] for label in labels[:count]])
+        if has_more:
+            self.diagnostics.omit(elements.line, f"nodes in the middle of faces and elements: {elements.get('type')} becomes a {kind}, whose nodes are at corners and on edges")
         name = elements.get("name") or elements.get("elset") or free_name(f"part_{len(self.material_of) + 1}", self.given_names)
         self.name_element_set(name, rows)
         self.material_of[name] = (elements.get("mat"), elements.line)
@@ -137,7 +140,7 @@ class FebioMesh:
         """The name of a set of nodes that an attribute `node_set` means: a name, or @surface:, @elem_set:, @part_list: and a name."""
         if not text.startswith("@"):
             if text not in self.model.node_sets:
-                raise self.diagnostics.wrong(line, f"the node set '{text}' is not defined")
+                raise self.diagnostics.undefined(line, f"the node set '{text}' is not defined", text, self.model.node_sets)
             return text
         kind, _, name = text[1:].partition(":")
         if kind == "surface" and name in self.model.surfaces:

@@ -1,5 +1,6 @@
 """A model of another program as an input of Pliant can hold it, in the units of the model."""
 import dataclasses
+import difflib
 import math
 import os
 from typing import Any
@@ -42,6 +43,12 @@ class Diagnostics:
     def wrong(self, line, text):
         """The exception for a file that cannot be converted."""
         return PliantError(f"{self.file}:{line}: {text}")
+
+    def undefined(self, line, text, name, known):
+        """The same for a name that nothing has, with the one of those known that is like it, regardless of case."""
+        spelled = {one.upper(): one for one in known if one}
+        near = difflib.get_close_matches(name.upper(), spelled, 1)
+        return self.wrong(line, text + (f" (did you mean '{spelled[near[0]]}'?)" if near else ""))
 
     def _add(self, to, line, text):
         entry = (line, text)
