@@ -124,56 +124,6 @@ void check_moduli(const Config& config, Diagnostics& diagnostics) {
   }
 }
 
-/// Without inertia, every direction needs a constraint against moving as a whole.
-void check_held(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
-  if (analysis_of(config) == Analysis::dynamic) return;
-  const std::string method = method_name(config.time.method);
-  if (config.contact && !config.contact->obstacles.empty()) return;  // on which bodies may lie (model/checks)
-  // Springs hold, too; the directions in which they do so depend on the mesh.
-  const auto is_spring = [](const LoadConfig& load) {
-    const auto foundation = foundation_of(load);
-    return foundation && foundation->spring > 0.0;
-  };
-  const auto pulls_to_ground = [](const SpringConfig& spring) {
-    return spring.stiffness > 0.0 &&
-           std::ranges::find(spring.points, "ground", &BodyPoint::body) != spring.points.end();
-  };
-  const auto is_anchored = [](const TendonConfig& tendon) {
-    return std::ranges::find(tendon.points, "ground", &BodyPoint::body) != tendon.points.end();
-  };
-  if (std::ranges::any_of(config.loads, is_spring) || std::ranges::any_of(config.springs, pulls_to_ground)) return;
-  if (std::ranges::any_of(config.tendons, is_anchored)) return;
-  const auto holds = [](const JointConfig& joint) {
-    return std::ranges::find(joint.between, "ground") != joint.between.end();
-  };
-  const auto is_clamped = [](const RodConfig& rod) { return rod.holder(0) == "ground" || rod.holder(1) == "ground"; };
-  if (std::ranges::any_of(config.joints, holds) || std::ranges::any_of(config.rods, is_clamped)) return;
-  const InputNode* constraints = given(root, {"constraints"});
-  const Location& where = config.time.method.where;
-  const std::string cure =
-      config.contact ? "; contact of bodies with one another does not count: a weak `spring` on a surface holds them"
-                     : "";
-  if (constraints == nullptr || constraints->children.empty()) {
-    diagnostics.add({root.where, {"constraints"}}, where,
-                    "a " + method + " analysis needs constraints; without them the bodies can move as a whole" + cure);
-    return;
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto is_free = [&](const InputNode& constraint) {
-      // These relate displacements to one another alone.
-      if (given(constraint, {"periodic_with"}) != nullptr || given(constraint, {"tied_to"}) != nullptr) return true;
-      const InputNode* displacement = given(constraint, {"displacement"});
-      if (displacement == nullptr) displacement = given(constraint, {"rigid", "translation"});
-      return displacement != nullptr && displacement->children.size() == 3 &&
-             displacement->children[axis].text == "free";
-    };
-    if (std::all_of(constraints->children.begin(), constraints->children.end(), is_free)) {
-      diagnostics.add(where, "a " + method + " analysis needs a constraint in every direction; none holds " +
-                                 std::string(1, "xyz"[axis]) + cure);
-    }
-  }
-}
-
 void check_names(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   std::vector<std::string> names;
   std::vector<Location> places;
@@ -298,12 +248,60 @@ void check_combinations(const Config& config, const InputNode& root, Diagnostics
   check_shells(config, diagnostics);
   check_moduli(config, diagnostics);
   check_volumetric(config, root, diagnostics);
-  check_held(config, root, diagnostics);
   check_names(config, root, diagnostics);
   check_contact(config, root, diagnostics);
   check_output(config, root, diagnostics);
   check_tolerances(config, root, diagnostics);
   check_linear_solver(config, root, diagnostics);
+}
+
+void check_held(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
+  if (analysis_of(config) == Analysis::dynamic) return;
+  const std::string method = method_name(config.time.method);
+  if (config.contact && !config.contact->obstacles.empty()) return;  // on which bodies may lie (model/checks)
+  // Springs hold, too; the directions in which they do so depend on the mesh.
+  const auto is_spring = [](const LoadConfig& load) {
+    const auto foundation = foundation_of(load);
+    return foundation && foundation->spring > 0.0;
+  };
+  const auto pulls_to_ground = [](const SpringConfig& spring) {
+    return spring.stiffness > 0.0 &&
+           std::ranges::find(spring.points, "ground", &BodyPoint::body) != spring.points.end();
+  };
+  const auto is_anchored = [](const TendonConfig& tendon) {
+    return std::ranges::find(tendon.points, "ground", &BodyPoint::body) != tendon.points.end();
+  };
+  if (std::ranges::any_of(config.loads, is_spring) || std::ranges::any_of(config.springs, pulls_to_ground)) return;
+  if (std::ranges::any_of(config.tendons, is_anchored)) return;
+  const auto holds = [](const JointConfig& joint) {
+    return std::ranges::find(joint.between, "ground") != joint.between.end();
+  };
+  const auto is_clamped = [](const RodConfig& rod) { return rod.holder(0) == "ground" || rod.holder(1) == "ground"; };
+  if (std::ranges::any_of(config.joints, holds) || std::ranges::any_of(config.rods, is_clamped)) return;
+  const InputNode* constraints = given(root, {"constraints"});
+  const Location& where = config.time.method.where;
+  const std::string cure =
+      config.contact ? "; contact of bodies with one another does not count: a weak `spring` on a surface holds them"
+                     : "";
+  if (constraints == nullptr || constraints->children.empty()) {
+    diagnostics.add({root.where, {"constraints"}}, where,
+                    "a " + method + " analysis needs constraints; without them the bodies can move as a whole" + cure);
+    return;
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto is_free = [&](const InputNode& constraint) {
+      // These relate displacements to one another alone.
+      if (given(constraint, {"periodic_with"}) != nullptr || given(constraint, {"tied_to"}) != nullptr) return true;
+      const InputNode* displacement = given(constraint, {"displacement"});
+      if (displacement == nullptr) displacement = given(constraint, {"rigid", "translation"});
+      return displacement != nullptr && displacement->children.size() == 3 &&
+             displacement->children[axis].text == "free";
+    };
+    if (std::all_of(constraints->children.begin(), constraints->children.end(), is_free)) {
+      diagnostics.add(where, "a " + method + " analysis needs a constraint in every direction; none holds " +
+                                 std::string(1, "xyz"[axis]) + cure);
+    }
+  }
 }
 
 }  // namespace pliant

@@ -55,7 +55,8 @@ std::string file_text(const std::string& file) {
 
 }  // namespace
 
-Config read_input(const std::string& text, const std::string& file, const std::vector<Override>& overrides) {
+Config read_input(const std::string& text, const std::string& file, const std::vector<Override>& overrides,
+                  Supports supports) {
   Diagnostics diagnostics;
   InputNode root = parse_yaml(text, file, diagnostics);
   if (root.kind == InputNode::Kind::null) {
@@ -68,6 +69,7 @@ Config read_input(const std::string& text, const std::string& file, const std::v
   warn_of_decimal_commas(root, diagnostics);
   complete_defaults(config, root);
   check_combinations(config, root, diagnostics);
+  if (supports == Supports::required) check_held(config, root, diagnostics);
   diagnostics.throw_if_errors();
   config.warnings = diagnostics.warnings();
   return config;
@@ -79,8 +81,9 @@ std::string input_text(MPI_Comm comm, const std::string& file) {
   return broadcast(comm, std::move(text));
 }
 
-Config read_input_file(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides) {
-  return read_input(input_text(comm, file), file, overrides);
+Config read_input_file(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
+                       Supports supports) {
+  return read_input(input_text(comm, file), file, overrides, supports);
 }
 
 std::string dump(const Config& config) {

@@ -11,13 +11,18 @@
 
 namespace pliant {
 
+/// Whether an analysis without inertia is refused where nothing holds the bodies.
+enum class Supports { required, optional };
+
 /// Reads an input from its text; `file` is its name as the user gave it: messages show it and the mesh's file is
 /// relative to its directory. Throws InputError with every error, each at its line and column. Not collective.
-Config read_input(const std::string& text, const std::string& file, const std::vector<Override>& overrides);
+Config read_input(const std::string& text, const std::string& file, const std::vector<Override>& overrides,
+                  Supports supports = Supports::required);
 
 /// Like read_input, but rank 0 reads the text. A file that is missing, unreadable or a directory is an InputError too.
 /// Every rank returns the same or throws the same. Collective.
-Config read_input_file(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides);
+Config read_input_file(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
+                       Supports supports = Supports::required);
 
 /// The text of the file, the same on every rank, for inputs that are read several times. Throws like read_input_file.
 /// Collective.

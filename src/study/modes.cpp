@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -29,6 +30,32 @@ Config at_rest(Config config) {
   config.time.method.kind = MethodConfig::Static{};
   config.contact.reset();
   std::erase_if(config.loads, [](const LoadConfig& load) { return !foundation_of(load); });
+  return config;
+}
+
+/// Whether anything may deform the bodies.
+bool is_loaded(const Config& config) {
+  const auto deforms = [](const BodyConfig& body) { return body.active || body.expansion; };
+  return !config.loads.empty() || !config.constraints.empty() || !config.joints.empty() || !config.tendons.empty() ||
+         !config.springs.empty() || !config.cavities.empty() || !config.shells.empty() || config.contact ||
+         std::ranges::any_of(config.bodies, deforms);
+}
+
+/// The input, whose bodies need not be held: their modes about the undeformed state are well defined.
+Config read_input_of_modes(MPI_Comm comm, const std::string& file, const std::vector<Override>& changes,
+                           ModesOptions& options) {
+  Config config = read_input_file(comm, file, changes, Supports::optional);
+  if (analysis_of(config) != Analysis::static_equilibrium || options.is_unloaded) return config;
+  try {
+    (void)read_input_file(comm, file, changes);
+  } catch (const InputError& error) {
+    if (is_loaded(config)) {
+      std::vector<Diagnostic> refused = error.diagnostics();
+      refused.front().message += "; to get the modes of the undeformed state, in which bodies may be free: --unloaded";
+      throw InputError(std::move(refused));
+    }
+    options.is_unloaded = true;
+  }
   return config;
 }
 
@@ -145,7 +172,9 @@ class ModesStudy {
 
 ExitCode modes_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& changes,
                        const ModesOptions& options, Console& console) {
-  return ModesStudy(comm, read_input_file(comm, file, changes), options, console)();
+  ModesOptions chosen = options;
+  const Config config = read_input_of_modes(comm, file, changes, chosen);
+  return ModesStudy(comm, config, chosen, console)();
 }
 
 }  // namespace pliant

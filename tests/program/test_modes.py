@@ -126,6 +126,18 @@ class Modes(ProgramTest):
             np.testing.assert_allclose(found["frequency"], alone[0]["frequency"], rtol=1e-8)
             np.testing.assert_allclose(shapes, alone[1], atol=1e-5 * np.abs(shapes).max())
 
+    def test_what_nothing_holds_needs_no_inertia(self):
+        """Without inertia such a body has no equilibrium under loads, but modes about its undeformed state."""
+        for rest, options in (("time: {method: quasistatic, step: 1, end: 1}\n", ()), ("time: {method: static}\n", ()),
+                              ("time: {method: static}\nloads: [{gravity: [0, 0, -9.81]}]\n", ("--unloaded",))):
+            found = self.modes(self.bar(rest=rest), "--number", "7", *options)
+            self.assertEqual(found["frequency"][:6].tolist(), [0.0] * 6)
+            self.assert_close(found["frequency"][6:], [bending(FREE[0], HEIGHT)], 0.02)
+            self.assertIn("modes about the undeformed state without loads", self.log.stdout)
+        said = self.pliant("modes", "bar.yaml", status=2).stderr
+        self.assertIn("a static analysis needs constraints; without them the bodies can move as a whole; to get the modes of the undeformed state, "
+                      "in which bodies may be free: --unloaded\n", said)
+
     def shapes(self, output="modes"):
         """Of each mode, num_nodes x 3, in an order of nodes that no number of ranks changes."""
         with h5py.File(self.directory / output / "result.h5") as file:
