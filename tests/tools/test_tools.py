@@ -23,9 +23,10 @@ import synthetic  # noqa: E402
 from package import Result, Surface  # noqa: E402
 from pliant import Mesh, von_mises  # noqa: E402
 from pliant.pictures import plot  # noqa: E402
+from pliant.pictures.camera import fitted_camera  # noqa: E402
 from pliant.pictures.colours import Colours  # noqa: E402
 from pliant.pictures.cut import CutSurface, Plane, mirror, plane  # noqa: E402
-from pliant.pictures.page import Page  # noqa: E402
+from pliant.pictures.page import INK, Page  # noqa: E402
 from pliant.pictures.quantity import Quantity, quantity_of  # noqa: E402
 from pliant.pictures.render import parser_of  # noqa: E402
 from pliant.pictures.rods import RodShapes, prisms  # noqa: E402
@@ -365,6 +366,19 @@ class Pictures(WithResult):
         count = [np.count_nonzero(np.diff(row.astype(int)) == 1) for row in rows]
         self.assertEqual(count[0], 1)
         self.assertGreater(count[1], 3)
+
+
+    def test_axes_and_scale_are_seen_before_a_body(self):
+        """Of any colour, that of the ink too: what is behind them is faint; where there is nothing, it stays so."""
+        camera = fitted_camera((0.62, -1.0, 0.48), [np.random.default_rng(1).random((8, 3))], (640, 400))
+        for colour in (INK, (250, 250, 252)):
+            page = Page((640, 400), "", None, None)
+            image = np.asarray(page.compose(np.full((*page.scene_size[::-1], 3), colour, np.uint8), "", camera)).astype(int)
+            corner = image[366:392, 66:100]
+            self.assertGreater(np.ptp(corner.mean(axis=2)), 120)
+            drawn = (np.abs(corner - corner[0, 0]).max(axis=2) > 20).mean()
+            self.assertTrue(0.02 < drawn < 0.3, drawn)
+            self.assertEqual(image[200:300].reshape(-1, 3).ptp(axis=0).max(), 0)
 
 
 class SurfaceOfBlock(WithResult):

@@ -76,16 +76,24 @@ class Page:
         draw.text((4 * h, 4.4 * h), self._title, INK, font(3.4 * h, bold=True))
         draw.text((self.size[0] - 4 * h, 4.6 * h), instant, INK, font(3.0 * h), anchor="ra")
         if camera is not None:
-            self._draw_axes(draw, camera)
-            self._draw_scale(draw, camera)
+            self._draw_axes(page, draw, camera)
+            self._draw_scale(page, draw, camera)
         if self._quantity is not None:
             (self._draw_names if self._quantity.names else self._draw_bar)(page, draw)
         return page
 
-    def _draw_axes(self, draw, camera):
+    @staticmethod
+    def _fade(page, *box):
+        """What the scene shows there, so faint that ink is seen on it; between two corners."""
+        box = [round(x) for x in box]
+        behind = page.crop(box)
+        page.paste(Image.blend(behind, Image.new("RGB", behind.size, BACKGROUND), 0.8), box)
+
+    def _draw_axes(self, page, draw, camera):
         """The directions x, y, z as the viewer sees them, the nearest one last."""
         h = self._unit
         middle = np.array([8 * h, self.size[1] - 9 * h])
+        self._fade(page, *(middle - 7.8 * h), *(middle + 7.8 * h))
         across = np.stack(camera.axes()[:2])
         for k in np.argsort(camera.axes()[2]):
             arrow = across[:, k] * [1, -1]
@@ -95,13 +103,14 @@ class Page:
                 label = middle + (4.5 * h + 1.7 * h / np.linalg.norm(arrow)) * arrow
                 draw.text(tuple(label), "xyz"[k], AXES[k], font(2.6 * h, bold=True), anchor="mm")
 
-    def _draw_scale(self, draw, camera):
+    def _draw_scale(self, page, draw, camera):
         """A bar of a round length, as long as it is in the depth of the bodies' middle."""
         h = self._unit
         length_of_pixel = camera.height_seen() / self.scene_size[1]
         length = round_length(0.22 * self.scene_size[1] * length_of_pixel)
         factor, unit = prefixed("m", length)
         x, y, width = 17 * h, self.size[1] - 4.2 * h, length / length_of_pixel
+        self._fade(page, 15.8 * h, y - 4.8 * h, x + width + 1.5 * h, y + 3 * h)
         for line in ([x, y, x + width, y], [x, y - 0.8 * h, x, y + 0.8 * h], [x + width, y - 0.8 * h, x + width, y + 0.8 * h]):
             draw.line(line, INK, max(1, round(0.3 * h)))
         draw.text((x + width / 2, y - 1.2 * h), f"{length / factor:g} {unit}", INK, font(2.4 * h), anchor="mb")
