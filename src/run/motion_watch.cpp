@@ -1,6 +1,7 @@
 #include "run/motion_watch.hpp"
 
 #include "base/tensor.hpp"
+#include "base/vector3.hpp"
 #include "fem/element.hpp"
 #include "input/elasticity.hpp"
 #include "material/library.hpp"
@@ -48,16 +49,39 @@ constexpr std::array<std::pair<std::string_view, TrustedStretches>, 17> trusted{
     {"holzapfel-ogden", {no_bound, 2.5, tissue_tears}},
 }};
 
-/// The first body of each component. Collective.
-std::vector<int> bodies_of_components(const Model& model) {
-  const NodeLayout& layout = model.layout();
-  std::vector<int> lowest(static_cast<std::size_t>(model.components().count), std::numeric_limits<int>::max());
-  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
-    int& body = lowest[static_cast<std::size_t>(model.components().of_node[layout.nodes_of_cell(c)[0]])];
-    body = std::min(body, model.body_of_cell()[c]);
+/// The least barycentric coordinate of x in a tetrahedron; not below 0 inside.
+double least_coordinate(const std::array<Vector3<double>, 4>& corners, const Vector3<double>& x) {
+  double least = infinity;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vector3<double>& a = corners[(i + 1) % 4];
+    const auto n = cross(corners[(i + 2) % 4] - a, corners[(i + 3) % 4] - a);
+    least = std::min(least, dot(n, x - a) / dot(n, corners[i] - a));
   }
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, lowest.data(), static_cast<int>(lowest.size()), MPI_INT, MPI_MIN, layout.comm));
-  return lowest;
+  return least;
+}
+
+/// The first body that has the place x at the displacement u of local nodes, of those whose nodes are in the component.
+/// Collective.
+int body_at(const Model& model, int component, const Vector3<double>& x, std::span<const double> u) {
+  constexpr double rounding = 1e-9;
+  const NodeLayout& layout = model.layout();
+  struct {
+    double coordinate;
+    int body;
+  } mine{-infinity, std::numeric_limits<int>::max()}, best{};
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    const auto nodes = layout.nodes_of_cell(c);
+    if (model.components().of_node[nodes[0]] != component) continue;
+    std::array<Vector3<double>, 4> corners{};
+    for (std::size_t a = 0; a < 4; ++a) {
+      for (std::size_t i = 0; i < 3; ++i) corners[a][i] = layout.coordinates[3 * nodes[a] + i] + u[3 * nodes[a] + i];
+    }
+    const double coordinate = least_coordinate(corners, x), inside = coordinate > -rounding ? 0.0 : coordinate;
+    const int body = model.body_of_cell()[c];
+    if (inside > mine.coordinate || (inside == mine.coordinate && body < mine.body)) mine = {inside, body};
+  }
+  check_mpi(MPI_Allreduce(&mine, &best, 1, MPI_DOUBLE_INT, MPI_MAXLOC, layout.comm));
+  return best.body;
 }
 
 /// F - I at the middle of a cell: the gradient of u in the reference cell, times the inverse of that of X.
@@ -121,7 +145,6 @@ MotionWatch::MotionWatch(const Config& config, const Model& model)
       mesh_(config.mesh.file.where),
       is_static_(analysis_of(config) == Analysis::static_equilibrium),
       overlap_is_known_(model.overlaps_at_start()),
-      bodies_of_components_(bodies_of_components(model)),
       joints_(config.joints),
       are_beyond_(config.joints.size(), 0) {
   for (std::size_t b = 0; b < model.body_names().size(); ++b) {
@@ -237,11 +260,13 @@ std::optional<std::string> MotionWatch::look_for_passage(const StepRecord& recor
   if (!overlap) return std::nullopt;
   overlap_is_known_ = true;
   const auto& [x, y, z] = overlap->at;
+  const int body = body_at(model_, overlap->of, overlap->at, u.span());
+  const int other = body_at(model_, overlap->in, overlap->at, u.span());
   return to_string(Diagnostic{
       Severity::warning, mesh_,
       fmt::format("at {} {} pass through one another, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g}): no contact between "
                   "them is enabled; 'contact: {{law: barrier, pairs: all}}' keeps bodies apart",
-                  instant(progress(record)), names_of(overlap->of, overlap->in), overlap->depth, x, y, z)});
+                  instant(progress(record)), names_of(body, other), overlap->depth, x, y, z)});
 }
 
 std::vector<std::string> MotionWatch::look_at_joints(const StepRecord& record) {
@@ -276,10 +301,10 @@ std::vector<std::string> MotionWatch::look_at_tendons(const StepRecord& record) 
   return news;
 }
 
-std::string MotionWatch::names_of(int component, int other) const {
-  const auto name = [&](int c) { return bodies_[bodies_of_components_[static_cast<std::size_t>(c)]].name; };
-  if (name(component) == name(other)) return fmt::format("two parts of '{}', which share no node,", name(component));
-  return fmt::format("'{}' and '{}'", std::min(name(component), name(other)), std::max(name(component), name(other)));
+std::string MotionWatch::names_of(int body, int other) const {
+  const auto name = [&](int b) { return bodies_[static_cast<std::size_t>(b)].name; };
+  if (body == other) return fmt::format("two parts of '{}', which share no node,", name(body));
+  return fmt::format("'{}' and '{}'", std::min(name(body), name(other)), std::max(name(body), name(other)));
 }
 
 std::vector<std::string> MotionWatch::final_warnings() const {

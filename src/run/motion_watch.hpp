@@ -79,13 +79,12 @@ class MotionWatch {
   std::string instability(const Body& body, const Extreme& extreme, double limit) const;
   void look_at_stretches(const StepRecord& record, std::span<const double> u, std::vector<std::string>& news);
   /// "'a' and 'b'", or "two parts of 'a'".
-  std::string names_of(int component, int other) const;
+  std::string names_of(int body, int other) const;
 
   const Model& model_;
   Location mesh_;  // in the input
   bool is_static_;
-  bool overlap_is_known_;                  ///< the user has been warned
-  std::vector<int> bodies_of_components_;  ///< one of the bodies that each component has
+  bool overlap_is_known_;  // the user has been warned
   std::vector<Body> bodies_;
   std::vector<JointConfig> joints_;
   std::vector<char> are_beyond_;  // per joint: the user has been warned

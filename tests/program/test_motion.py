@@ -171,6 +171,20 @@ output: {every: 0.2}
                 texts.add(said[0])
         self.assertEqual(len(texts), 1, texts)
 
+    def test_is_of_the_bodies_at_the_place(self):
+        """Not of others that share nodes with them, or are tied to them."""
+        points, triangles, cells = box((4, 2, 2))
+        points[:, 0] *= 2.0
+        is_palm = points[cells, 0].mean(axis=1) > 1.0
+        volumes = (["post", "ball", "palm"], np.concatenate([np.zeros(len(cells), int), 1 + is_palm]))
+        write_mesh(self.directory / "two.msh", np.vstack([points - (1, 0, 0), points + (1.4, 0.1, 0.1)]), triangles, np.vstack([cells, cells + len(points)]), volumes)
+        law = "density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}"
+        bodies = ", ".join(f"{{volume: {name}, {law}}}" for name in ("palm", "ball", "post"))
+        self.write("two.yaml", (self.PASSING % "-15").replace(f"[{{{law}}}]", f"[{bodies}]"))
+        for ranks in (1, 2):
+            done = self.pliant("run", "two.yaml", "--output", "out", ranks=ranks)
+            self.assertIn("at t = 0.03 s 'ball' and 'post' pass through one another", done.stderr)
+
     def test_that_does_not_come_to_be_is_not_warned_of(self):
         self.assertEqual(self.warnings("-1.9", 1), [])
 
