@@ -16,8 +16,9 @@ namespace {
 
 constexpr std::array<std::string_view, 5> bookkeeping{"step", "time", "dt", "newton_iterations", "linear_iterations"};
 constexpr double rounding = 1e-12;  // of the largest value of the same unit
-// What a solver's tolerance leaves where forces balance, as on a closed chamber: they do no such work over a metre.
-constexpr double tolerance = 1e-7;
+// What a solver's tolerance leaves where forces or energies balance, as on a closed chamber: forces do no such work
+// over a metre, and Newton's method does not see such a part of the largest one.
+constexpr double of_work = 1e-7, of_largest = 1e-8;
 constexpr std::array<std::string_view, 3> works{"elastic_energy", "load_work", "support_work"};
 
 /// Largest minus smallest value; 0 of none.
@@ -85,9 +86,9 @@ double ColumnPlots::rounding_of(const std::string& column) const {
     change = std::max(change, extent(*values));
     largest = std::max(largest, magnitude(*values));
   }
-  const bool is_force = unit == "N" || unit == "N m";
-  const double left = is_force && change <= tolerance * work_ ? tolerance * work_ : 0.0;
-  return std::max(left, rounding * largest);
+  const bool may_balance = unit == "N" || unit == "N m" || column == "energy_balance_error";
+  const double left = std::max(of_work * work_, of_largest * largest_.at(unit));
+  return may_balance && change <= left ? left : rounding * largest;
 }
 
 bool ColumnPlots::draw(const std::string& column) const {

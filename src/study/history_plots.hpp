@@ -29,8 +29,8 @@ class ColumnPlots {
   /// them. Returns whether it did. Not collective.
   bool draw(const std::string& column) const;
 
-  /// The changes of a column that are rounding: next to the largest value of its unit; of forces and moments that stay
-  /// as they are, what the solver's tolerance leaves.
+  /// The changes of a column that are rounding: next to the largest value of its unit; of forces, moments and the
+  /// energy's balance that stay as they are, what the solver's tolerance leaves.
   double rounding_of(const std::string& column) const;
 
  private:
