@@ -1,6 +1,8 @@
 #include "run/simulation.hpp"
 
 #include "base/error.hpp"
+#include "input/analysis.hpp"
+#include "input/loads.hpp"
 #include "model/events.hpp"
 #include "model/joint_turns.hpp"
 #include "petsc/check.hpp"
@@ -27,6 +29,14 @@ constexpr double largest_gain = 0.02, least_part_of_impact = 1.0 / 200.0;
 
 StepOutcome::Kind outcome_of(const RetryDecision& decision, StepOutcome::Kind otherwise) {
   return decision.retry == Retry::give_up ? StepOutcome::Kind::failed : otherwise;
+}
+
+/// Whether, without inertia, nothing but contact with obstacles can hold bodies.
+bool only_contact_holds(const Config& config) {
+  const auto is_foundation = [](const LoadConfig& load) { return foundation_of(load).has_value(); };
+  return analysis_of(config) != Analysis::dynamic && config.contact && config.constraints.empty() &&
+         config.joints.empty() && config.tendons.empty() && config.springs.empty() && config.rods.empty() &&
+         std::ranges::none_of(config.loads, is_foundation);
 }
 
 }  // namespace
@@ -58,6 +68,7 @@ Simulation::Simulation(const Config& config, Model& model, Stages stages, Books 
   record_.z = advance_->state().z;
   next_q_ = make_vector(model.layout());
   const Method* method = integrator_of(config);
+  only_contact_holds_ = only_contact_holds(config);
   may_go_far_ = !config.joints.empty() || !config.rigid_bodies.empty();
   settles_pressures_ = model_.mixed_equation() != nullptr && method != nullptr && !method->stiffly_accurate;
   num_past_ = analysis_ != Analysis::dynamic ? 1 : method != nullptr ? method->num_steps : 2;
@@ -353,13 +364,18 @@ StepOutcome Simulation::reject(const StepAttempt& attempt, const Step& step) {
     return {StepOutcome::Kind::failed, error.what(), step, true};  // a shorter step would not help
   }
   const RetryDecision decision = control_->reject(attempt.report.reason);
-  const bool gives_up = decision.retry == Retry::give_up;
-  return {outcome_of(decision, StepOutcome::Kind::unsolved), decision.reason + (gives_up ? limit_in_sight() : ""),
+  const bool is_explained =
+      decision.retry != Retry::give_up || decision.reason.find("no equilibrium") != std::string::npos;
+  return {outcome_of(decision, StepOutcome::Kind::unsolved), decision.reason + (is_explained ? "" : limit_in_sight()),
           step};
 }
 
 std::string Simulation::limit_in_sight() const {
   constexpr double fast = 5.0;
+  if (only_contact_holds_) {
+    return "; nothing but contact holds the bodies: where friction cannot, nothing holds them against the loads, and "
+           "there is no equilibrium";
+  }
   if (!(last_growth_ * grown_ > fast * moved_in_all_)) return "";
   return fmt::format(
       "; displacements grow {:.0f} times as fast as on average, so that there may be no equilibrium under larger loads "

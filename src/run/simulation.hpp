@@ -179,6 +179,7 @@ class Simulation {
   StepStatistics steps_;
   TurnWatch turns_;
   bool warned_of_turns_ = false;
+  bool only_contact_holds_ = false;
   bool may_go_far_ = false;  // there are mechanisms, which formulas carry along, or bodies without a size
   double moved_ = 0.0;       // by the last attempt without inertia, any node [m]
   // By all accepted steps without inertia, in which load factor or time has grown by that much, and by the last one.
