@@ -22,7 +22,9 @@ LinearKind automatic_linear_kind(PetscInt num_unknowns, int order, bool may_adap
 }
 
 std::string describe(LinearKind kind, Symmetry symmetry) {
-  const std::string krylov = symmetry == Symmetry::symmetric ? "conjugate gradients" : "GMRES";
+  const std::string krylov = symmetry == Symmetry::symmetric          ? "conjugate gradients"
+                             : symmetry == Symmetry::nearly_symmetric ? "conjugate gradients or GMRES"
+                                                                      : "GMRES";
   constexpr const char* multigrid = "algebraic multigrid (smoothed aggregation in single precision)";
   if (kind == LinearKind::adaptive) {
     return fmt::format("{} with {}, or a MUMPS LDL^T factorization where that takes less time", krylov, multigrid);
