@@ -359,6 +359,14 @@ class Errors(MistakesTest):
     def test_mistakes_against_the_mesh(self):
         self.judge_all(self.cases_of(BAD_AGAINST_THE_MESH), HELD_IN_PARTS)
 
+    def test_contact_of_what_belongs_to_no_body(self):
+        directory = self.case("no body")
+        points, triangles, cells = box((4, 1, 1))
+        write_mesh(directory / "two.msh", points, triangles, cells, (["slab", "block"], (points[cells, 0].mean(axis=1) > 0.5).astype(int)))
+        (directory / "in.yaml").write_text("mesh: {file: two.msh}\nbodies: [{volume: slab, " + LAW + "}]\n"
+                                           "contact: {pairs: [{surface: right, with: left}]}\ntime: {method: bdf2, step: 1 ms, end: 1 ms}\n")
+        self.judge_all({"": (directory, ["check", "in.yaml"], 2, "in.yaml:2", "12 tetrahedra belong to no body; add a body for volume block")}, HELD_IN_PARTS)
+
     def test_bad_command_lines(self):
         for commands, every in ((BAD_COMMANDS, READ_ALIKE), (BAD_FILES_AND_OPTIONS, HELD_IN_PARTS)):
             cases = {name: (self.case("command " + name), arguments, 2, None, words)
