@@ -227,6 +227,12 @@ ExitCode resume_command(MPI_Comm comm, const std::string& place, const std::vect
   const Config config = read_input(from.info.input, from.file.string(), changes);
   const Config earlier = read_input(from.info.input, from.file.string(), {});
   changed(earlier, config);  // refuses what cannot change
+  constexpr double rounding = 1e-9;
+  if (analysis_of(config) != Analysis::static_equilibrium && config.time.end < from.info.time * (1.0 - rounding)) {
+    throw InputError({"time.end", 0, 0}, fmt::format("the run is at t = {:.6g} s already: give a later end, or resume "
+                                                     "one of its earlier checkpoints",
+                                                     from.info.time));
+  }
   warn_of_stops(earlier, config, console);
   return go_on(comm, config, console, from);
 }

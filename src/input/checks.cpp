@@ -90,9 +90,11 @@ void check_bodies(const Config& config, const InputNode& root, Diagnostics& diag
     }
     if (bodies[i].density || given(entry(root, "bodies", i), {"density"}) != nullptr) continue;
     const Analysis analysis = analysis_of(config);
+    const std::string library = elasticity ? elasticity->library : "";
+    const std::string unknown = library.empty() ? "" : ": the library does not know that of '" + library + "'";
     const auto is_needed_by = [&](const std::string& what) {
       diagnostics.add({bodies[i].where, {"density"}}, bodies[i].where,
-                      "missing key 'density' in " + numbered("bodies", i) + ", which " + what + " needs");
+                      "missing key 'density' in " + numbered("bodies", i) + ", which " + what + " needs" + unknown);
     };
     const auto pulls = [&](const LoadConfig& l) {
       return std::holds_alternative<LoadConfig::Gravity>(l.kind) && may_overlap(l.part, bodies[i].part);

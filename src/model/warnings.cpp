@@ -365,6 +365,17 @@ std::vector<Diagnostic> warnings_about_loads(const Config& config, const NodeLay
                                              const PrescribedDisplacement& prescribed) {
   const std::vector<char>& is_given = prescribed.flags();
   Warnings warnings;
+  for (const ConstraintConfig& c : config.constraints) {
+    const auto* given = std::get_if<ConstraintConfig::Displacement>(&c.kind);
+    const auto is_zero = [](const std::optional<Expression>& value) { return value && value->is_zero(); };
+    if (given == nullptr || !std::ranges::all_of(given->value, is_zero)) continue;
+    const auto nodes = selections.nodes(c.part);
+    const auto is_owned = [&](PetscInt n) { return n < layout.num_owned_nodes; };
+    if (any_rank(layout.comm, std::ranges::count_if(nodes, is_owned) < layout.num_owned_nodes)) continue;
+    warnings.add(c.where,
+                 "this holds every node, so nothing moves; if a part was meant, check its name, or its box or "
+                 "condition, whose numbers are in metres");
+  }
   for (const LoadConfig& load : config.loads) {
     if (!is_local(load)) continue;
     const auto nodes = selections.nodes(load.part);

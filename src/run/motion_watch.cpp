@@ -182,11 +182,14 @@ std::string MotionWatch::instant(double time) const {
 
 std::string MotionWatch::in_words(const Body& body, const Extreme& extreme) const {
   const auto& [x, y, z] = extreme.X;
+  const std::string what = extreme.stretch < 0.0
+                               ? "turned inside out"
+                               : fmt::format("{} to {:.3g} times its length",
+                                             extreme.stretch > 1.0 ? "stretched" : "compressed", extreme.stretch);
   return fmt::format(
-      "{}: at {} '{}' is {} to {:.3g} times its length near X = ({:.4g}, {:.4g}, {:.4g}), beyond the range of '{}': "
-      "{}; check loads and moduli: a number without a unit is in SI",
-      to_string(body.where), instant(extreme.time), body.name, extreme.stretch > 1.0 ? "stretched" : "compressed",
-      extreme.stretch, x, y, z, body.law, body.why);
+      "{}: at {} '{}' is {} near X = ({:.4g}, {:.4g}, {:.4g}), beyond the range of '{}': {}; check loads and moduli: a "
+      "number without a unit is in SI",
+      to_string(body.where), instant(extreme.time), body.name, what, x, y, z, body.law, body.why);
 }
 
 std::string MotionWatch::instability(const Body& body, const Extreme& extreme, double limit) const {

@@ -66,6 +66,16 @@ class Constraints(ProgramTest):
             total = force + sum(np.array([part[f"{name}_f{i}"][-1] for i in "xyz"]) for name in ("top", "bottom"))
             self.assertLess(np.linalg.norm(total), 1e-6 * np.linalg.norm(force))
 
+    def test_what_holds_every_node_is_warned_of(self):
+        write_box(self.directory / "box.msh", (2, 1, 1))
+        text = (f"mesh: {{file: box.msh}}\nbodies: [{{density: 1000, {LAW}}}]\nconstraints: [{{box: [[-1, -1, -1], [1, 20, 20]], displacement: [0, 0, 0]}}]\n"
+                "loads: [{gravity: [0, 0, -1]}]\ntime: {method: static}\n")
+        for ranks in (1, 2):
+            self.write("in.yaml", text)
+            self.assertRegex(self.pliant("check", "in.yaml", ranks=ranks).stderr, "in.yaml:3:15: .*this holds every node, so nothing moves; .*metres")
+            self.write("in.yaml", text.replace("[1, 20", "[0.5, 20"))
+            self.assertNotIn("every node", self.pliant("check", "in.yaml", ranks=ranks).stderr)
+
     def test_a_straight_plane_is_a_prescribed_component(self):
         write_box(self.directory / "cube.msh", (2, 2, 2))
         lid = "{surface: top, displacement: [free, free, 0.2]}"

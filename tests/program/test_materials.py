@@ -196,7 +196,7 @@ class Materials(ProgramTest):
         self.write("bar.yaml", "mesh: {file: bar.msh}\nbodies: [{elasticity: {library: rtv615}}]\nloads: [{gravity: [0, 0, -1]}]\ntime: {method: static}\n")
         done = self.call("run", "bar.yaml")
         self.assertEqual(done.returncode, 2)
-        self.assertIn("missing key 'density'", done.stderr)
+        self.assertIn("missing key 'density' in bodies[0], which gravity needs: the library does not know that of 'rtv615'", done.stderr)
 
     def test_library_is_listed_and_drawn(self):
         listed = self.call("materials", "--library").stdout

@@ -232,6 +232,11 @@ class Continuation(RestartTest):
         self.assertIn(" stages since the run was resumed, ", resumed.stdout)
         history = read_history(self.out("part"))
         self.assertEqual(history["time"][-1], 0.12)
+        record = (self.out("part") / "run.yaml").read_text()
+        refused = self.call("resume", "part", "--set", "time.end=0.1")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("time.end: the run is at t = 0.12 s already: give a later end", refused.stderr)
+        self.assertEqual((self.out("part") / "run.yaml").read_text(), record)
         np.testing.assert_allclose(history["dt"][-10:], 0.002)
         self.assert_frames_are_the_rows("part")
 

@@ -347,7 +347,8 @@ class Pictures(WithResult):
         self.fails("every body is hidden", self.directory, "--hide", "root", "--hide", "tip")
         self.fails("--field tension: the result has no tendons", self.directory, "--field", "tension")
         self.fails("--size", self.directory, "--size", "big")
-        self.fails("--view", self.directory, "--view", "0,0,0")
+        self.fails("none of iso, front, back, right, left, top, bottom, nor a direction such as", self.directory, "--view", "0,0,0")
+        self.fails("'side' is none of iso, front, ", self.directory, "--view", "side")
         self.fails("No such file", self.directory, "-o", self.path("missing/picture.png"), code=4)
         self.fails("picture.xyz", self.directory, "-o", self.path("picture.xyz"))
         with h5py.File(self.path("other.h5"), "w"):

@@ -109,11 +109,12 @@ Section<ElasticityConfig> elasticity_keys() {
       field("model", &E::model, choice(law_names(elastic_laws())), "elastic law (`pliant materials`)")
           .otherwise_in_words("that of the `library`")
           .left_out_if([](const E& e) { return !e.library.empty(); }));
-  section.fields.push_back(field("library", &E::library, choice(library_names()),
-                                 "measured material that gives the law, its constants and the density "
-                                 "(`pliant materials --library`); keys next to it take precedence")
-                               .otherwise_in_words("none")
-                               .left_out_if([](const E& e) { return e.library.empty(); }));
+  section.fields.push_back(
+      field("library", &E::library, choice(library_names()),
+            "measured material that gives the law, its constants and, where it was measured, the density "
+            "(`pliant materials --library`); keys next to it take precedence")
+          .otherwise_in_words("none")
+          .left_out_if([](const E& e) { return e.library.empty(); }));
   // As everybody calls the first Lame parameter, which is another key: said where the law has no lambda.
   section.groups.push_back(
       {{"lambda"}, KeyGroup::Need::any, laws_that([](std::size_t row) { return takes(row, "lambda"); })});

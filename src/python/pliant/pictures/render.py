@@ -90,9 +90,12 @@ def run(options):
 def _view(text):
     if text in VIEWS:
         return VIEWS[text]
-    numbers = [float(part) for part in text.split(",")]
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
     if len(numbers) != 3 or not np.linalg.norm(numbers) > 0:
-        raise ValueError
+        raise argparse.ArgumentTypeError(f"'{text}' is none of {', '.join(VIEWS)}, nor a direction such as 1,-1,0.5")
     return numbers
 
 
