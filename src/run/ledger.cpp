@@ -189,7 +189,7 @@ std::vector<double> Ledger::book_change(const StateView& state) {
   return change;
 }
 
-void Ledger::keep(Archive& archive, const StateView& newest) {
+void Ledger::keep(Archive& archive, const StateView& newest, Side side) {
   archive.numbers("works", works_);
   archive.numbers("last_powers", last_powers_);
   archive.number("powers_are_known", powers_are_known_);
@@ -206,7 +206,7 @@ void Ledger::keep(Archive& archive, const StateView& newest) {
     }
   }
   if (!archive.restores()) return;
-  measure(newest, Side::after);
+  measure(newest, side);
   time_ = newest.time;
   load_factor_ = newest.load_factor;
   check(VecCopy(newest.q, q_.get()));

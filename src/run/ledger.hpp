@@ -81,8 +81,8 @@ class Ledger {
   /// supplied from outside. Returns by how much the works change.
   std::vector<double> book_change(const StateView& state);
 
-  /// `newest`: the last completed step.
-  void keep(Archive& archive, const StateView& newest);
+  /// `newest`: the last completed step, at its end or after what jumps there.
+  void keep(Archive& archive, const StateView& newest, Side side);
 
   const Energies& energies() const { return energies_; }
   /// Reactions of the model's supports at the end of the last stage; zero before the first step.

@@ -108,7 +108,6 @@ void Simulation::keep(Archive& archive) {
   // The energies that the ledger computes need whole turns and pressures.
   part("joints", [&] { keep_turns(model_.constraints().joints(), archive); });
   if (MixedEquation* mixed = model_.mixed_equation()) part("mixed", [&] { mixed->keep(archive); });
-  part("ledger", [&] { ledger_->keep(archive, advance_->state()); });
   part("control", [&] {
     StepProgress progress = control_->progress();
     double step = plan_.dt;
@@ -126,6 +125,10 @@ void Simulation::keep(Archive& archive) {
     archive.number("contact_start", contact_start_);
     archive.number("steps_since_restart", steps_since_restart_);
   });
+  // The run that goes on ended at an event, or is told of one there now.
+  const bool restarts =
+      archive.restores() && control_->starts_at_event() && !control_->finished() && steps_since_restart_ > 0;
+  part("ledger", [&] { ledger_->keep(archive, advance_->state(), restarts ? Side::before : Side::after); });
   part("steps", [&] {
     archive.number("accepted", steps_.accepted);
     archive.number("failed", steps_.failed);
@@ -142,8 +145,7 @@ void Simulation::keep(Archive& archive) {
   steps_.least_gap = std::numeric_limits<double>::infinity();
   measure_contact();
   if (path_has_ended()) control_->stop();
-  // The run that goes on ended at an event, or is told of one there now.
-  if (control_->starts_at_event() && !control_->finished() && steps_since_restart_ > 0) restart();
+  if (restarts) restart();
 }
 
 bool Simulation::path_has_ended() {

@@ -158,7 +158,9 @@ void LinearSystem::choose_for_border() {
   if (is_taken_as_symmetric_) num_in_vain_ = 0;
   const bool waits = num_not_symmetric_ > 0;
   if (waits) --num_not_symmetric_;
-  take_as_symmetric(!waits && has_right_inertia());
+  PetscBool is_chosen = PETSC_FALSE;  // by the user
+  check(PetscOptionsHasName(nullptr, nullptr, "-ksp_type", &is_chosen));
+  take_as_symmetric(!waits && !is_chosen && has_right_inertia());
 }
 
 void LinearSystem::choose_krylov_method() {
@@ -182,6 +184,8 @@ void LinearSystem::use_usual_krylov_method() {
 
 void LinearSystem::forget() {
   last_shift_ = 0.0;
+  num_in_vain_ = num_not_symmetric_ = 0;
+  take_as_symmetric(false);
   factor_.renew();
   forget_set_ups(preconditioner_.get());
 }

@@ -245,6 +245,8 @@ class Continuation(RestartTest):
         stamped = 'constraints=[{surface: left, displacement: [0, 0, "0.5*min(t, 0.04)"]}]'
         cases = {"kink": (stamped,),
                  "jump": ('loads=[{gravity: [0, 0, "t < 0.04 ? 0 : -9.81"]}]',),
+                 "jump of a store": ('bodies=[{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 50 kPa, poissons_ratio: 0.3}, '
+                                     'expansion: {stretch: "t < 0.04 ? 1 : 1.02"}}]',),
                  "kink, stages": (stamped, "time.method=dirk23"),
                  "kink, several steps": (stamped, "time.method=bdf3", "time.startup=dirk33")}
         for name, settings in cases.items():
