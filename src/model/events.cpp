@@ -201,7 +201,7 @@ Events events_of(const Config& config) {
   if (!has_steps(config)) return events;
   events.times = config.time.events;
   std::vector<Kink> kinks = kinks_of(config);
-  // Steps end at the end in any case. That it is an event matters to the last one, and to a run that goes on from
+  // Steps end at the end in any case. That it is an event matters to the last one, and to a run that is resumed from
   // there.
   const auto is_end = [&](const Kink& kink) { return kink.time >= config.time.end - same * config.time.step; };
   const bool is_at_end = std::erase_if(kinks, is_end) > 0;

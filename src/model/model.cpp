@@ -202,7 +202,6 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
     densities_.push_back(body.density.value_or(0.0));
   }
   body_of_cell_ = selections.cells(parts);
-  // What follows takes the body of each cell.
   if (any_rank(layout_.comm, std::ranges::count(body_of_cell_, -1) > 0)) selections.throw_if_errors();
   rods_ = make_rods(config, mesh, layout_, body_of_cell_, selections);
   include(notes_about_fibres(config, rods_));

@@ -125,7 +125,7 @@ void Simulation::keep(Archive& archive) {
     archive.number("contact_start", contact_start_);
     archive.number("steps_since_restart", steps_since_restart_);
   });
-  // The run that goes on ended at an event, or is told of one there now.
+  // The run that is resumed ended at an event, or has one there now.
   const bool restarts =
       archive.restores() && control_->starts_at_event() && !control_->finished() && steps_since_restart_ > 0;
   part("ledger", [&] { ledger_->keep(archive, advance_->state(), restarts ? Side::before : Side::after); });
