@@ -257,11 +257,8 @@ void check_combinations(const Config& config, const InputNode& root, Diagnostics
   check_linear_solver(config, root, diagnostics);
 }
 
-void check_held(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
-  if (analysis_of(config) == Analysis::dynamic) return;
-  const std::string method = method_name(config.time.method);
-  if (config.contact && !config.contact->obstacles.empty()) return;  // on which bodies may lie (model/checks)
-  // Springs hold, too; the directions in which they do so depend on the mesh.
+bool is_held_by_springs_or_joints(const Config& config) {
+  // The directions in which springs hold depend on the mesh.
   const auto is_spring = [](const LoadConfig& load) {
     const auto foundation = foundation_of(load);
     return foundation && foundation->spring > 0.0;
@@ -273,13 +270,20 @@ void check_held(const Config& config, const InputNode& root, Diagnostics& diagno
   const auto is_anchored = [](const TendonConfig& tendon) {
     return std::ranges::find(tendon.points, "ground", &BodyPoint::body) != tendon.points.end();
   };
-  if (std::ranges::any_of(config.loads, is_spring) || std::ranges::any_of(config.springs, pulls_to_ground)) return;
-  if (std::ranges::any_of(config.tendons, is_anchored)) return;
   const auto holds = [](const JointConfig& joint) {
     return std::ranges::find(joint.between, "ground") != joint.between.end();
   };
   const auto is_clamped = [](const RodConfig& rod) { return rod.holder(0) == "ground" || rod.holder(1) == "ground"; };
-  if (std::ranges::any_of(config.joints, holds) || std::ranges::any_of(config.rods, is_clamped)) return;
+  return std::ranges::any_of(config.loads, is_spring) || std::ranges::any_of(config.springs, pulls_to_ground) ||
+         std::ranges::any_of(config.tendons, is_anchored) || std::ranges::any_of(config.joints, holds) ||
+         std::ranges::any_of(config.rods, is_clamped);
+}
+
+void check_held(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
+  if (analysis_of(config) == Analysis::dynamic) return;
+  const std::string method = method_name(config.time.method);
+  if (config.contact && !config.contact->obstacles.empty()) return;  // on which bodies may lie (model/checks)
+  if (is_held_by_springs_or_joints(config)) return;
   const InputNode* constraints = given(root, {"constraints"});
   const Location& where = config.time.method.where;
   const std::string cure =

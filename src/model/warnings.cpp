@@ -361,8 +361,8 @@ std::vector<Diagnostic> notes_of_idle_keys(const Config& config) {
   return notes;
 }
 
-std::vector<Diagnostic> warnings_about_loads(const Config& config, const NodeLayout& layout, Selections& selections,
-                                             const PrescribedDisplacement& prescribed) {
+std::vector<Diagnostic> warnings_about_what_is_held(const Config& config, const NodeLayout& layout,
+                                                    Selections& selections, const PrescribedDisplacement& prescribed) {
   const std::vector<char>& is_given = prescribed.flags();
   Warnings warnings;
   for (const ConstraintConfig& c : config.constraints) {

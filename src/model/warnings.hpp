@@ -37,9 +37,9 @@ std::vector<Diagnostic> notes_of_idle_keys(const Config& config);
 /// Warns of constraints that displace the initial state abruptly. Collective over the ranks of `layout`, like the next.
 std::vector<Diagnostic> warnings_about_start(const Config& config, const NodeLayout& layout, Selections& selections);
 
-/// Warns of loads on parts whose displacement is prescribed at every node: they move nothing. `selections` must be free
-/// of errors.
-std::vector<Diagnostic> warnings_about_loads(const Config& config, const NodeLayout& layout, Selections& selections,
-                                             const PrescribedDisplacement& prescribed);
+/// Warns of constraints that hold every node, and of loads on parts whose displacement is prescribed at every node:
+/// they move nothing. `selections` must be free of errors.
+std::vector<Diagnostic> warnings_about_what_is_held(const Config& config, const NodeLayout& layout,
+                                                    Selections& selections, const PrescribedDisplacement& prescribed);
 
 }  // namespace pliant

@@ -2,7 +2,7 @@
 
 #include "base/error.hpp"
 #include "input/analysis.hpp"
-#include "input/loads.hpp"
+#include "input/checks.hpp"
 #include "model/events.hpp"
 #include "model/joint_turns.hpp"
 #include "petsc/check.hpp"
@@ -31,12 +31,10 @@ StepOutcome::Kind outcome_of(const RetryDecision& decision, StepOutcome::Kind ot
   return decision.retry == Retry::give_up ? StepOutcome::Kind::failed : otherwise;
 }
 
-/// Whether, without inertia, nothing but contact with obstacles can hold bodies.
+/// Whether, without inertia, only contact can hold bodies.
 bool only_contact_holds(const Config& config) {
-  const auto is_foundation = [](const LoadConfig& load) { return foundation_of(load).has_value(); };
   return analysis_of(config) != Analysis::dynamic && config.contact && config.constraints.empty() &&
-         config.joints.empty() && config.tendons.empty() && config.springs.empty() && config.rods.empty() &&
-         std::ranges::none_of(config.loads, is_foundation);
+         !is_held_by_springs_or_joints(config);
 }
 
 }  // namespace
@@ -317,8 +315,7 @@ std::optional<std::string> Simulation::escape(const StepAttempt& attempt) {
   check(VecWAXPY(next_q_.get(), -1.0, q_.get(), attempt.q));
   check(VecNorm(next_q_.get(), NORM_INFINITY, &moved_));
   if (moved_ <= far * size || may_go_far_) return std::nullopt;
-  return fmt::format("bodies have moved by {:.1e} m: nothing holds them against the loads, and there is no equilibrium",
-                     moved_);
+  return fmt::format("bodies have moved by {:.1e} m: nothing holds them against the loads", moved_);
 }
 
 // If inertia carries the start of a stage beyond a barrier, the stage throws the body back fast enough to leave the
@@ -366,17 +363,15 @@ StepOutcome Simulation::reject(const StepAttempt& attempt, const Step& step) {
     return {StepOutcome::Kind::failed, error.what(), step, true};  // a shorter step would not help
   }
   const RetryDecision decision = control_->reject(attempt.report.reason);
-  const bool is_explained =
-      decision.retry != Retry::give_up || decision.reason.find("no equilibrium") != std::string::npos;
-  return {outcome_of(decision, StepOutcome::Kind::unsolved), decision.reason + (is_explained ? "" : limit_in_sight()),
+  const bool gives_up = decision.retry == Retry::give_up;
+  return {outcome_of(decision, StepOutcome::Kind::unsolved), decision.reason + (gives_up ? limit_in_sight() : ""),
           step};
 }
 
 std::string Simulation::limit_in_sight() const {
   constexpr double fast = 5.0;
   if (only_contact_holds_) {
-    return "; nothing but contact holds the bodies: where friction cannot, nothing holds them against the loads, and "
-           "there is no equilibrium";
+    return "; only contact holds the bodies: an equilibrium exists only if friction balances the loads";
   }
   if (!(last_growth_ * grown_ > fast * moved_in_all_)) return "";
   return fmt::format(

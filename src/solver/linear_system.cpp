@@ -72,6 +72,7 @@ LinearSystem::LinearSystem(Objective& objective, KSP ksp, Handle<Mat> K, SolverS
   for (std::size_t k = 0; k < equation_.num_rank_one(); ++k) parts_.push_back({0.0, equation_.make_vector()});
   if (!parts_.empty()) rank_one_ = std::make_unique<RankOneSystem>(ksp, K_.get(), parts_);
   check(KSPGetTolerances(ksp, nullptr, nullptr, nullptr, &most_iterations_));
+  check(PetscOptionsHasName(nullptr, nullptr, "-ksp_type", &krylov_is_chosen_));
   PetscBool rotates = PETSC_TRUE;
   check(PetscOptionsGetBool(nullptr, nullptr, "-newton_turn_factor", &rotates, nullptr));
   // Multigrid smooths with the current K, which has already rotated.
@@ -158,9 +159,7 @@ void LinearSystem::choose_for_border() {
   if (is_taken_as_symmetric_) num_in_vain_ = 0;
   const bool waits = num_not_symmetric_ > 0;
   if (waits) --num_not_symmetric_;
-  PetscBool is_chosen = PETSC_FALSE;  // by the user
-  check(PetscOptionsHasName(nullptr, nullptr, "-ksp_type", &is_chosen));
-  take_as_symmetric(!waits && !is_chosen && has_right_inertia());
+  take_as_symmetric(!waits && !krylov_is_chosen_ && has_right_inertia());
 }
 
 void LinearSystem::choose_krylov_method() {

@@ -148,6 +148,7 @@ class LinearSystem {
   std::unique_ptr<BorderedSystem> bordered_;  // nullptr if K has no border
   FactorPolicy factor_;
   Escalation escalation_;
+  PetscBool krylov_is_chosen_ = PETSC_FALSE;  // by the user
   bool is_taken_as_symmetric_ = false;
   int num_in_vain_ = 0;        // factors in a row with which conjugate gradients failed
   int num_not_symmetric_ = 0;  // factors left before they are tried again
