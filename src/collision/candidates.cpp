@@ -87,11 +87,14 @@ std::vector<double> least_distances(const CollisionSurface& surface, std::span<c
 }
 
 std::vector<BoxPair> triangles_of_bodies_near(const CollisionSurface& surface, std::span<const Vector3<double>> x,
+                                              std::span<const Vector3<double>> dx,
                                               std::span<const std::int32_t> numbers, double distance) {
   const auto triangles = surface.triangles();
   const auto box = [&](std::int32_t t) {
     const auto [a, b, c] = triangles[t].vertices;
-    return box_of(0.5 * distance, x[a], x[b], x[c]);
+    Box around = box_of(0.5 * distance, x[a], x[b], x[c]);
+    if (!dx.empty()) around.include(box_of(0.5 * distance, x[a] + dx[a], x[b] + dx[b], x[c] + dx[c]));
+    return around;
   };
   std::map<std::int32_t, Box> of_bodies;
   for (const std::int32_t t : numbers) of_bodies[triangles[t].body].include(box(t));

@@ -48,8 +48,9 @@ std::vector<double> least_distances(const CollisionSurface& surface, std::span<c
                                     double distance, const SurfaceNeighbours& neighbours = {});
 
 /// Pairs of triangles of different bodies whose boxes are nearer than `distance` [m], of those with these numbers, in
-/// no particular order.
+/// no particular order. `dx`: displacements [m], on the way along which they count as well; empty: none.
 std::vector<BoxPair> triangles_of_bodies_near(const CollisionSurface& surface, std::span<const Vector3<double>> x,
+                                              std::span<const Vector3<double>> dx,
                                               std::span<const std::int32_t> numbers, double distance);
 
 /// All edges (first) that meet a triangle (second) that they are not adjacent to, in exact arithmetic: empty if and

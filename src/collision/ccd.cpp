@@ -194,6 +194,21 @@ double max_step_point_triangle(std::span<const Vector3<double>, 4> x, std::span<
                   [](const FourPoints& at) { return stencil_of(closest_point_triangle(at)); });
 }
 
+double max_step_into_triangle(std::span<const Vector3<double>, 4> x, std::span<const Vector3<double>, 4> dx,
+                              double least, double depth) {
+  constexpr double kept = 0.01;
+  const double at_surface = max_step_point_triangle(x, dx, {least, kept});
+  if (!(at_surface < 1.0)) return 1.0;
+  FourPoints y;
+  for (std::size_t i = 0; i < y.size(); ++i) y[i] = x[i] + at_surface * dx[i];
+  const Separation<4> closest = separation<4>(stencil_of(closest_point_triangle(y)), y);
+  const Vector3<double> normal = cross(y[2] - y[1], y[3] - y[1]);
+  const double size = norm(normal);
+  if (!(size > 0.0) || dot(normal, closest.r) < 0.0) return 1.0;
+  const double approach = -dot(normal, combine<4>(closest.weights, dx)) / size;
+  return approach > 0.0 ? std::min(at_surface + depth / approach, 1.0) : 1.0;
+}
+
 double max_step_edge_edge(std::span<const Vector3<double>, 4> x, std::span<const Vector3<double>, 4> dx,
                           const Clearance& clearance) {
   return max_step(relative_motion(x, dx), 2, clearance,

@@ -32,4 +32,10 @@ double max_step_point_triangle(std::span<const Vector3<double>, 4> x, std::span<
 double max_step_edge_edge(std::span<const Vector3<double>, 4> x, std::span<const Vector3<double>, 4> dx,
                           const Clearance& clearance);
 
+/// alpha in (0, 1]: so far may a point go that comes through the triangle from its front, to which the normal of its
+/// order points, until it is `depth` > 0 [m] behind it. 1 if it does not come through, or begins behind it. The path
+/// beyond the triangle, which is within `least` [m] of it, is taken to first order.
+double max_step_into_triangle(std::span<const Vector3<double>, 4> x, std::span<const Vector3<double>, 4> dx,
+                              double least, double depth);
+
 }  // namespace pliant

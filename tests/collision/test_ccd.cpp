@@ -175,6 +175,29 @@ TEST(Ccd, HeadOnStopsAtWhatIsKept) {
   EXPECT_EQ(max_step_point_triangle(x, leaving, {.least = 0.9}), 1.0);
 }
 
+TEST(Ccd, WhatComesThroughAFaceStopsAtADepth) {
+  const Points<4> triangle{{{0.2, 0.2, 1.0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};  // its normal points to the point
+  const auto step = [](Points<4> x, const Vector3<double>& d, double depth) {
+    const Points<4> dx{{d, {}, {}, {}}};
+    return max_step_into_triangle(x, dx, 0.0, depth);
+  };
+  EXPECT_NEAR(step(triangle, {0, 0, -4}, 0.5), (1.0 + 0.5) / 4.0, 0.01);
+  EXPECT_EQ(step(triangle, {0, 0, -1.2}, 0.5), 1.0);
+  EXPECT_EQ(step(triangle, {0, 0, 4}, 0.5), 1.0);
+  EXPECT_EQ(step(triangle, {5, 0, -2}, 0.5), 1.0);  // passes beside it
+  Points<4> behind = triangle;
+  behind[0] = {0.2, 0.2, -1.0};
+  EXPECT_EQ(step(behind, {0, 0, 4}, 0.5), 1.0);
+  // From the surface itself, and along it.
+  Points<4> at_surface = triangle;
+  at_surface[0] = {0.2, 0.2, 0.0};
+  EXPECT_NEAR(step(at_surface, {0.1, 0, -2}, 0.5), 0.25, 1e-12);
+  EXPECT_EQ(step(at_surface, {0.3, 0.3, 0}, 0.5), 1.0);
+  // The triangle comes to the point.
+  const Points<4> rising{{{}, {0, 0, 4}, {0, 0, 4}, {0, 0, 4}}};
+  EXPECT_NEAR(max_step_into_triangle(triangle, rising, 0.0, 0.5), (1.0 + 0.5) / 4.0, 0.01);
+}
+
 TEST(Ccd, SlidingCloseByIsFree) {
   const Points<4> x{{{0.2, 0.2, 1e-9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, dx{{{0.7, 0.3, 0}, {}, {}, {}}};
   EXPECT_EQ(max_step_point_triangle(x, dx, {}), 1.0);

@@ -425,6 +425,41 @@ probes: [{{name: middle, point: [0.02, 0.02, 0.02]}}]
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertRegex(done.stderr, expected)
 
+    def test_a_penalty_holds_what_turns_onto_it_without_inertia(self):
+        # A lever, 1 mm above a pad of 100 kPa: nothing else keeps its weight from turning it right through.
+        self.write("lever.geo", """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0.05, 0.5, 0.05, 0.02};
+Box(2) = {0.35, 0, 0, 0.1, 0.05, 0.049};
+Physical Volume("lever") = {1};
+Physical Volume("pad") = {2};
+Physical Surface("floor") = Surface In BoundingBox{-1, -1, -0.001, 1, 1, 0.001};
+Mesh.MeshSizeMax = 0.02;
+""")
+        cases = (("penalty", "quasistatic", 1), ("barrier", "quasistatic", 1), ("penalty", "static", 2))
+        found = {}
+        for law, method, ranks in cases:
+            file = self.write("lever.yaml", f"""
+mesh: {{file: lever.geo}}
+bodies:
+  - {{volume: lever, rigid: true, density: 2000}}
+  - {{volume: pad, density: 1000, elasticity: {{model: neo-hookean, youngs_modulus: 100 kPa, poissons_ratio: 0.3}}}}
+constraints: [{{surface: floor, displacement: [0, 0, 0]}}]
+joints: [{{name: pin, type: hinge, between: [ground, lever], point: [0, 0.025, 0.06], axis: [0, 1, 0]}}]
+contact: {{pairs: [{{name: seat, surface: lever, with: pad, law: {law}}}]}}
+loads: [{{gravity: [0, 0, {-G}]}}]
+time: {{method: {method}{"" if method == "static" else ", step: 0.1, end: 0.1"}}}
+""")
+            done = self.call("run", file, ranks=ranks)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertRegex(done.stdout, "; 0 repeated after a failed solve")
+            found[law, method] = read_history(self.directory / "out/lever")
+        weight = 2000 * G * 0.5 * 0.05 * 0.02
+        for case, h in found.items():
+            # About the pin: the weight at 0.25 m, the pad between 0.35 and 0.45 m.
+            self.assertTrue(weight * 0.25 / 0.45 < abs(h["seat_fz"][-1]) < weight * 0.25 / 0.35, case)
+            self.assertTrue(0.001 / 0.45 < h["pin_angle"][-1] < 0.006, case)
+        self.assertAlmostEqual(found["penalty", "static"]["pin_angle"][-1], found["penalty", "quasistatic"]["pin_angle"][-1], delta=1e-7)
+
     def test_a_penalty_resolves_an_overlap_by_strain(self):
         # The patch test of Tribol and MFEM: cubes of lambda = mu = 50 that overlap by 0.01 in the mesh, held above and below. What
         # coincides exactly there, edges on faces and corners on edges, has a pressure and a direction.

@@ -170,42 +170,6 @@ TouchingBodies::Candidates TouchingBodies::candidates(const NearPatches& near, c
   return found;
 }
 
-TouchingBodies::Candidates TouchingBodies::known_candidates(const NearPatches& near, const Positions& at,
-                                                            double distance) const {
-  const CollisionSurface& surface = surfaces_->surface();
-  const std::size_t first_inner_point = points_.size() - num_inner_points_ * surface.triangles().size();
-  Candidates found;
-  const auto add_points = [&](std::int32_t of_points, std::int32_t t) {
-    const auto &mine = surface.triangles()[of_points], &theirs = surface.triangles()[t];
-    if (!penalty_.has_points.empty() && penalty_.has_points[mine.group] == 0) return;
-    const auto first = static_cast<std::size_t>(of_points);
-    const auto [a, b, c] = theirs.vertices;
-    const auto add = [&, a = a, b = b, c = c](std::size_t point) {
-      const Vector3<double> p = points_[point].position(at.x);
-      for (std::size_t i = 0; i < 3; ++i) {
-        const auto [low, high] = std::minmax({at.x[a][i], at.x[b][i], at.x[c][i]});
-        if (p[i] < low - distance || p[i] > high + distance) return;
-      }
-      found.points.push_back({static_cast<std::int32_t>(point), t});
-    };
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (!surface.is_incident(theirs, mine.vertices[k]))
-        add(static_cast<std::size_t>(point_of_corner_[3 * first + k]));
-    }
-    for (std::size_t j = 0; j < num_inner_points_ && !surface.is_incident(mine, theirs); ++j) {
-      add(first_inner_point + num_inner_points_ * first + j);
-    }
-  };
-  for (const BoxPair& pair : triangles_of_bodies_near(surface, at.x, features(near).triangles, distance)) {
-    if (!sets_(surface.triangles()[pair.first].group, surface.triangles()[pair.second].group)) continue;
-    add_points(pair.first, pair.second);
-    add_points(pair.second, pair.first);
-  }
-  sort_pairs(found.points, points_.size());
-  found.points.erase(std::ranges::unique(found.points).begin(), found.points.end());
-  return found;
-}
-
 TouchingBodies::Configuration& TouchingBodies::configuration(const NearPatches& near, std::span<const double> q) const {
   Positions at = positions(near, q);
   for (Configuration& known : last_) {
@@ -313,10 +277,11 @@ std::vector<double> TouchingBodies::pressures(const NearPatches& near, std::span
 }
 
 double TouchingBodies::max_step(const NearPatches& near, std::span<const double> q, std::span<const double> d) const {
-  if (is_penalty()) return std::numeric_limits<double>::infinity();
+  if (is_penalty() && !penalty_.limits_steps) return std::numeric_limits<double>::infinity();
   const CollisionSurface& surface = surfaces_->surface();
   const Positions at = positions(near, q, d);
-  const Candidates found = candidates(near, at, laws_.reach());
+  const Candidates found = candidates(near, at, std::max(laws_.reach(), range()));
+  if (is_penalty()) return max_step_of_penalty(near, at, found);
   double bound = 1.0;
   const auto limit_by = [&](const auto& max_step, const std::array<std::int32_t, 4>& v, int body, int other) {
     std::array<Vector3<double>, 4> x, dx;
