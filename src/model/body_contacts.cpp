@@ -63,10 +63,10 @@ struct BodyContacts::Part {
   }
 };
 
-BodyContacts::BodyContacts(const ContactConfig& config, bool has_inertia, const NodeLayout& layout,
+BodyContacts::BodyContacts(const ContactConfig& config, const NodeLayout& layout,
                            std::vector<TouchingSurfaces> surfaces, const std::vector<std::string>& body_names,
                            const std::vector<double>& shear_moduli, std::span<const double> start)
-    : config_(config), has_inertia_(has_inertia), layout_(layout), body_names_(body_names) {
+    : config_(config), layout_(layout), body_names_(body_names) {
   for (const TouchingSurfaces& touching : surfaces) {
     const bool is_quadratic = touching.facets.nodes_per_facet == 6;
     if (is_quadratic && is_too_curved(layout_, touching, body_names_.size())) {
@@ -117,7 +117,6 @@ void BodyContacts::add(const TouchingSurfaces& touching, const std::vector<doubl
   if (laws.is_penalty()) {
     penalty.depth = depth;
     penalty.is_mirror = touching.set_is_mirror;
-    penalty.limits_steps = !has_inertia_;
     for (const auto& [first, second] : touching.set_is_on_side) penalty.has_points.push_back(first || second ? 1 : 0);
     require_two_bodies(pair, may_meet, body_names_.size());
   }

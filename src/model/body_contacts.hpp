@@ -32,11 +32,10 @@ class BodyContacts {
  public:
   /// `shear_moduli`: of each body's stiffest part at rest [Pa]. `start`: displacements of local nodes at the start [m].
   /// Everything but the surfaces and the start outlives the object. Throws InputError where
-  /// a body is thinner than the distance that its surface has to keep from itself. `has_inertia`: or nothing but
-  /// contact holds what comes too deeply into another body in a step. Collective.
-  BodyContacts(const ContactConfig& config, bool has_inertia, const NodeLayout& layout,
-               std::vector<TouchingSurfaces> surfaces, const std::vector<std::string>& body_names,
-               const std::vector<double>& shear_moduli, std::span<const double> start);
+  /// a body is thinner than the distance that its surface has to keep from itself. Collective.
+  BodyContacts(const ContactConfig& config, const NodeLayout& layout, std::vector<TouchingSurfaces> surfaces,
+               const std::vector<std::string>& body_names, const std::vector<double>& shear_moduli,
+               std::span<const double> start);
 
   /// Appends the terms, and a group for each pair that has a name. `has_velocity`: there may be friction and damping.
   void make_terms(bool has_velocity, std::vector<std::unique_ptr<EnergyTerm>>& terms,
@@ -86,7 +85,6 @@ class BodyContacts {
   std::vector<char> nodes_of_first_side(const TouchingSurfaces& touching) const;
 
   const ContactConfig& config_;
-  bool has_inertia_;
   const NodeLayout& layout_;
   const std::vector<std::string>& body_names_;
   std::vector<std::shared_ptr<Part>> parts_;

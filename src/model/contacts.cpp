@@ -140,8 +140,8 @@ Contacts::Contacts(const ContactConfig& config, Analysis analysis, const Contact
     mark_rigid_parts(bodies.rigid_part, entry);
     if (entry.law == NormalKind::penalty) mark_planes_of_symmetry(layout_, bodies.prescribed, entry);
   }
-  between_ = std::make_unique<BodyContacts>(config_, has_inertia_, layout_, std::move(touching), body_names_,
-                                            bodies.shear_moduli, bodies.start);
+  between_ = std::make_unique<BodyContacts>(config_, layout_, std::move(touching), body_names_, bodies.shear_moduli,
+                                            bodies.start);
   for (const Diagnostic& note : between_->description()) description_.push_back(note);
   between_->make_terms(has_velocity, terms_, groups_);
 }

@@ -277,11 +277,10 @@ std::vector<double> TouchingBodies::pressures(const NearPatches& near, std::span
 }
 
 double TouchingBodies::max_step(const NearPatches& near, std::span<const double> q, std::span<const double> d) const {
-  if (is_penalty() && !penalty_.limits_steps) return std::numeric_limits<double>::infinity();
-  const CollisionSurface& surface = surfaces_->surface();
   const Positions at = positions(near, q, d);
-  const Candidates found = candidates(near, at, std::max(laws_.reach(), range()));
-  if (is_penalty()) return max_step_of_penalty(near, at, found);
+  if (is_penalty()) return max_step_of_penalty(near, at);
+  const CollisionSurface& surface = surfaces_->surface();
+  const Candidates found = candidates(near, at, laws_.reach());
   double bound = 1.0;
   const auto limit_by = [&](const auto& max_step, const std::array<std::int32_t, 4>& v, int body, int other) {
     std::array<Vector3<double>, 4> x, dx;

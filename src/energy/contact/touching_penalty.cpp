@@ -51,10 +51,13 @@ TouchingBodies::Candidates TouchingBodies::known_candidates(const NearPatches& n
   return found;
 }
 
-double TouchingBodies::max_step_of_penalty(const NearPatches& near, const Positions& at,
-                                           const Candidates& found) const {
+double TouchingBodies::max_step_of_penalty(const NearPatches& near, const Positions& at) const {
   const CollisionSurface& surface = surfaces_->surface();
   const double depth = deep_enough * penalty_.depth;
+  double farthest = 0.0;
+  for (const std::int32_t v : features(near).placed) farthest = std::max(farthest, norm(at.dx[v]));
+  if (2.0 * farthest <= little * penalty_.depth) return std::numeric_limits<double>::infinity();
+  const Candidates found = candidates(near, at, std::max(laws_.reach(), range()));
   // On other ranks something nearer may be unknown.
   const auto is_counted = [&](std::int32_t point) {
     return near.is_owned(features(near).nodes[points_[static_cast<std::size_t>(point)].nodes[0]]);
