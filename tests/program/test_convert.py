@@ -396,7 +396,7 @@ class Convert(ConvertTest):
             self.assertNotIn("not complete", said)
             (pair,) = config["contact"]["pairs"]
             pair.pop("width")
-            self.assertEqual(pair, {"surface": "start2", "with": "end1", **keys})
+            self.assertEqual(pair, {"name": "start2_end1", "surface": "start2", "with": "end1", **keys})
         # E 0.02/2 for small strains; the springs take a little.
         self.assertAlmostEqual(self.history("cubes.yaml")["left1_fx"][-1] / 1e4, 1, delta=0.05)
         for kind, more, words in (("sliding-elastic", "<tension>1</tension>", "<tension> has no counterpart"), ("sticky", "", "this kind of interface has no counterpart"),
@@ -421,7 +421,8 @@ class Convert(ConvertTest):
         fails(good.replace("MATERIAL=rubber1\n*S", "MATERIAL=Rubbr1\n*S"), "cube.inp:\\d+: the material 'Rubbr1' is not defined \\(did you mean 'rubber1'\\?\\)\n")
         fails(good.replace("*SOLID SECTION, ELSET=cube1", "*SOLID SECTION, ELSET=CBUE1"), "cube.inp:\\d+: the set of elements 'CBUE1' is not defined \\(did you mean 'cube1'\\?\\)\n")
         fails(good + "*NSET, NSET=all, ELSET=cub1\n", "cube.inp:\\d+: 'cub1' is neither a number nor the name of a set of elements before this line \\(did you mean 'cube1'\\?\\)\n")
-        fails(good.replace("C3D8", "S4"), "cube.inp: no solid elements")
+        for kind in ("S4", "C3D8X"):
+            fails(good.replace("C3D8", kind), "cube.inp: no solid elements")
         fails("<febio_spec", "cube.feb:1: not an XML file", "cube.feb")
         fails('<febio_spec version="1.2"/>', "cube.feb:1: the version 1.2 is too old", "cube.feb")
         fails('<febio_spec version="4.0"><Module type="biphasic"/></febio_spec>', "cube.feb:1: the module 'biphasic' is not supported", "cube.feb")
@@ -563,9 +564,10 @@ class Decks(ConvertTest):
     def test_what_changes_the_result_is_not_complete(self):
         text = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"], pulled(1))
         for card, is_complete in (("*ORIENTATION, NAME=o\n1, 0, 0, 0, 1, 0\n", True), ("*SPRING, ELSET=s\n\n1.\n", False), ("*PLASTIC\n1e3, 0.\n", False), ("*MPC\nBEAM, 9, 10\n", False),
-                                  ("*EXPANSION, TYPE=ORTHO\n1e-5, 1e-5, 2e-5\n", False), ("*ELEMENT, TYPE=S4\n7, 9, 10, 11, 12\n", False), ("*EMBEDDED ELEMENT\ncube1\n", False)):
+                                  ("*EXPANSION, TYPE=ORTHO\n1e-5, 1e-5, 2e-5\n", False), ("*ELEMENT, TYPE=S4\n7, 9, 10, 11, 12\n", False),
+                                  ("*ELEMENT, TYPE=C3D8X\n7, 9, 10, 11, 12, 13, 14, 15, 16\n", False), ("*EMBEDDED ELEMENT\ncube1\n", False)):
             _, said = self.convert("cubes.inp", text.replace("*SOLID SECTION", card + "*SOLID SECTION"))
-            self.assertIn("elements of types" if "S4" in card else card.split(",")[0].split("\n")[0], said)
+            self.assertIn("elements of types" if "*ELEMENT" in card else card.split(",")[0].split("\n")[0], said)
             self.assertEqual("not complete" in said, not is_complete, said)
 
 
@@ -635,6 +637,14 @@ class Steps(ConvertTest):
         config, said = self.convert("cubes.inp", abaqus_cubes([self.STIFF], steps))
         self.assertIn("the step with *STEP, and its conditions: a linear perturbation is a run of its own", said)
         self.assertEqual((config["loads"][0]["force"][0], config["time"]["end"]), ("t", 1))
+        self.assertIn("not complete", said)
+
+    def test_dropped_steps_are_not_complete(self):
+        for procedure, words, is_complete in (("*DYNAMIC\n0.1, 1.", "an input has one method", False), ("*BUCKLE\n3,", "Pliant has no analysis of this kind", False),
+                                              ("*FREQUENCY\n3,", "run `pliant modes` on the input", True)):
+            _, said = self.convert("cubes.inp", abaqus_cubes([self.STIFF], pulled(1) + step("*CLOAD\n10, 1, 2.\n", procedure)))
+            self.assertIn(words, said)
+            self.assertEqual("not complete" not in said, is_complete, said)
 
     def test_tables_of_amplitudes(self):
         def amplitude(data, parameters=""):

@@ -139,6 +139,8 @@ class Contact(ConvertTest):
             config, said = self.convert("two.inp", self.deck(size=size))
             self.assertNotIn("not complete", said)
             (pair,) = config["contact"]["pairs"]
+            self.assertEqual(pair["name"], "upper_lower")
+            self.assertIn("upper_lower_fx", self.history("two.yaml"))
             self.assertEqual((pair["surface"], pair["with"], pair["stiffness"]), ("upper", "lower", 1e5))
             self.assertEqual(config["time"]["method"], "quasistatic")
             self.assertAlmostEqual(self.force()[2] / force, 1, delta=4e-3)

@@ -8,14 +8,15 @@ from .abaqus_deck import real, whole
 from .cells import KINDS
 from .model import free_name
 
-# Prefix of a type; the rest of its name are letters (reduced integration, hybrid, ...).
+# Prefix of a type; the rest of its name are letters: hybrid, incompatible modes, reduced integration, ...
 SOLIDS = {"C3D4": "tetrahedron", "C3D5": "pyramid", "C3D6": "wedge", "C3D8": "brick", "C3D10": "quadratic tetrahedron",
           "C3D15": "quadratic wedge", "C3D20": "quadratic brick", "C3D13": "quadratic pyramid"}
+LETTERS = "HIMRSTV"
 GENERATING = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SUBMODEL")
 
 
 def kind_of(name):
-    match = re.match(r"(C3D\d+)([A-Z]*)\Z", name)
+    match = re.match(rf"(C3D\d+)([{LETTERS}]*)\Z", name)
     return SOLIDS.get(match[1]) if match else None
 
 

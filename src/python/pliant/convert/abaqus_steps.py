@@ -48,13 +48,15 @@ class AbaqusSteps:
             self.start = self.end
         self.in_step = self.skipped = False
 
-    def skip(self, card, reason):
+    def skip(self, card, reason, report=None):
         self.skipped = True
-        self.diagnostics.omit(card.line, f"the step with {card.title}, and its conditions: {reason}")
+        (report or self.diagnostics.missing)(card.line, f"the step with {card.title}, and its conditions: {reason}")
 
     def read_other_analysis(self, card):
-        reason = "natural frequencies: run `pliant modes` on the input" if card.keyword == "FREQUENCY" else "Pliant has no analysis of this kind"
-        self.skip(card, reason)
+        if card.keyword == "FREQUENCY":
+            self.skip(card, "natural frequencies: run `pliant modes` on the input", self.diagnostics.omit)
+        else:
+            self.skip(card, "Pliant has no analysis of this kind")
 
     def read_procedure(self, card):
         kind = "dynamic" if card.keyword in DYNAMIC else "static"

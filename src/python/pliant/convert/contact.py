@@ -1,10 +1,11 @@
 """Contact of a model as the section `contact` of the input: which law, which widths, and what differs from the model."""
 import dataclasses
+import re
 
 import numpy as np
 
 from .cells import KINDS
-from .model import LENGTH, VELOCITY, Quantity
+from .model import LENGTH, VELOCITY, Quantity, free_name
 
 # Half of the distance over which a penalty's kink is rounded in runs without inertia, relative to a facet: surfaces sink in by that much more.
 WIDTH_PER_FACET = 1e-4
@@ -97,6 +98,8 @@ class Writer:
         self.elements_of = elements_by_face(model)
         self.body_of = {row: k for k, body in enumerate(model.bodies) for row in model.element_sets[body.elements]}
         self.sizes, self.springs, self.laws = [], [], set()
+        named = (*model.rigid_bodies, *model.joints, *model.springs)
+        self.taken = {*model.node_sets, *model.element_sets, *model.surfaces, *(keys["name"] for keys in named if "name" in keys)}
 
     def listed(self):
         entries = [entry for entry in map(self.entry, self.contact.pairs) if entry]
@@ -127,8 +130,16 @@ class Writer:
         law = "penalty" if len(names) == 2 and not self.is_one_body(pair) else "barrier"
         self.laws.add(law)
         size = self.size_of(np.concatenate([triangles for name in names for triangles in self.mesh.groups[2][name]]))
-        return {"surface": names[0], **({"with": names[1]} if len(names) == 2 else {}), **({"law": law} if law == "barrier" else {}),
+        return {**self.name_of(names), "surface": names[0], **({"with": names[1]} if len(names) == 2 else {}), **({"law": law} if law == "barrier" else {}),
                 **self.pressure_of(pair, law, size)}
+
+    def name_of(self, names):
+        """The key `name` of a pair of two surfaces, with which its columns of history.csv begin."""
+        if len(names) < 2:
+            return {}
+        name = free_name(re.sub(r"[,;\"'\s]+", "_", "_".join(names)), self.taken)
+        self.taken.add(name)
+        return {"name": name}
 
     def pressure_of(self, pair, law, size):
         keys = {"friction": pair.friction} if pair.friction else {}
