@@ -137,8 +137,9 @@ std::vector<Place> points_of(const AddedRod& rod, std::span<const MeshCurve> cur
   };
   const auto found = std::ranges::find_if(curves, is_it);
   if (found == curves.end() || found->edges.empty()) {
-    throw InputError(rod.where,
-                     fmt::format("the mesh has no physical curve '{}', which rod '{}' follows", rod.curve, rod.name));
+    throw InputError(rod.where, fmt::format("the mesh has no {} '{}', which rod '{}' follows",
+                                            found == curves.end() ? "physical curve" : "edges of physical curve",
+                                            rod.curve, rod.name));
   }
   Chain chain = chain_of(found->edges, "a rod");
   if (!chain.fault.empty()) {

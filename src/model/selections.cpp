@@ -51,6 +51,14 @@ Region region(const Selection& part) {
   return [&inside = *part.region](const std::array<double, 3>& x) { return inside(x[0], x[1], x[2], 0.0) != 0.0; };
 }
 
+/// What is reported of a group of the mesh that is empty.
+std::string holds_nothing(const Selection& part) {
+  return fmt::format(
+      "{} is defined in the mesh, but holds nothing of it; in a .geo, a BoundingBox must be a little "
+      "larger than what it is to contain: widen it by 1e-6 or so on every side",
+      describe(part));
+}
+
 }  // namespace
 
 std::string describe(const Selection& part) {
@@ -187,8 +195,10 @@ std::vector<PetscInt> Selections::nodes(const Selection& part) {
     });
   }
   if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
-    report(part.where, fmt::format("{} contains no node of the mesh; `pliant check` shows the mesh's extent and groups",
-                                   describe(part)));
+    report(part.where, is_group(part.kind) ? holds_nothing(part)
+                                           : fmt::format("{} contains no node of the mesh; `pliant check` shows the "
+                                                         "mesh's extent and groups",
+                                                         describe(part)));
   }
   return result;
 }
@@ -206,9 +216,10 @@ FacetList Selections::facets(const Selection& part) {
                      {Added::with_surface, Added::without_surface, Added::inert});
   }
   if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
-    report(part.where,
-           fmt::format("{} contains no facet of the mesh's surface; `pliant check` shows the mesh's extent and groups",
-                       describe(part)));
+    report(part.where, is_group(part.kind) ? holds_nothing(part)
+                                           : fmt::format("{} contains no facet of the mesh's surface; `pliant check` "
+                                                         "shows the mesh's extent and groups",
+                                                         describe(part)));
   }
   return result;
 }
@@ -283,6 +294,10 @@ std::vector<int> Selections::cells(const std::vector<Selection>& parts) {
     }
     const PhysicalGroup* g = group(parts[p]);
     if (g == nullptr) continue;
+    if (!is_added(*g) && mesh_.report.groups[static_cast<std::size_t>(g - mesh_.groups.data())].count == 0) {
+      report(parts[p].where, holds_nothing(parts[p]));
+      continue;
+    }
     groups.push_back(*g);
     part_of_group.push_back(static_cast<int>(p));
   }

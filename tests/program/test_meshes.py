@@ -130,6 +130,25 @@ class NamesOfGroups(ProgramTest):
         self.assertEqual(*rows)
 
 
+class EmptyGroups(ProgramTest):
+    def test_are_not_taken_for_slips_of_names(self):
+        """A box that is exactly as large as a face catches nothing."""
+        self.write("cube.geo", 'SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 1, 1, 1};\nPhysical Volume("cube") = {1};\nPhysical Volume("core") = {};\n'
+                               'Physical Surface("lid") = Surface In BoundingBox{0, 0, 1, 1, 1, 1};\nPhysical Surface("left") = {1};\n')
+        law = "density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0.3}"
+        good = (f"mesh: {{file: cube.geo}}\nbodies: [{{volume: cube, {law}}}]\nconstraints: [{{surface: left, displacement: [0, 0, 0]}}]\n"
+                "time: {method: static}\n")
+        for text, place, words in ((good + "loads: [{surface: lid, pressure: 1}]\n", "5:19", "surface 'lid' is defined in the mesh, but holds nothing of it"),
+                                   (good.replace("volume: cube", "volume: core"), "2:19", "volume 'core' is defined in the mesh, but holds nothing of it")):
+            self.write("cube.yaml", text)
+            for ranks in (1, 2):
+                said = self.pliant("check", "cube.yaml", ranks=ranks, status=2).stderr
+                self.assertIn(f"cube.yaml:{place}: {words}", said)
+                self.assertIn("widen it by 1e-6", said)
+        self.write("cube.yaml", good)
+        self.assertIn("physical surface 'lid' has no elements", self.pliant("check", "cube.yaml").stdout)
+
+
 class KeptMeshes(MistakesTest):
     def test_the_second_run_takes_the_mesh_of_the_first(self):
         (self.directory / "cube.geo").write_text('SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 1, 1, 1};\n'

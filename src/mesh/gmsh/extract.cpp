@@ -30,6 +30,18 @@ void extract_entity(MeshCollector& collector, int dimension, int entity) {
   }
 }
 
+/// Groups that hold nothing have a name, and are not among gmsh's groups.
+void name_empty_groups(MeshCollector& collector) {
+  constexpr int most_tags = 10000;
+  for (int dimension = 0; dimension <= 3; ++dimension) {
+    for (int tag = 1; tag <= most_tags; ++tag) {
+      std::string name;
+      gmsh::model::getPhysicalName(dimension, tag, name);
+      if (!name.empty()) collector.name_group(dimension, tag, name);
+    }
+  }
+}
+
 }  // namespace
 
 SerialMesh extract_mesh() {
@@ -47,6 +59,7 @@ SerialMesh extract_mesh() {
     gmsh::model::getPhysicalName(dimension, tag, name);
     collector.name_group(dimension, tag, name);
   }
+  name_empty_groups(collector);
   return collector.finish();
 }
 
