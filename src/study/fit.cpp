@@ -98,6 +98,9 @@ FittedMaterial fit_material(const std::string& text, const std::string& file) {
   fit.all = fit.material.all_values(fit.outcome.values);
   if (fit.outcome.num_starts > 0) fit.residuals = problem.residuals(fit.outcome.values);
   fit.warnings = warnings_about(fit.outcome, starts.parameters());
+  for (const MaterialTest& test : fit.tests) {
+    if (!test.note.empty()) fit.notes.push_back(test.note);
+  }
   if (fit.outcome.num_starts > 0) add_stability(fit);
   return fit;
 }

@@ -72,8 +72,12 @@ class Table {
   explicit Table(std::string file) : file_(std::move(file)) {}
 
   /// The columns that are wanted.
-  std::vector<std::vector<double>> read(std::istream& stream, std::span<const std::vector<ColumnForm>> wanted) {
-    return read(stream, [&](const auto& header, int line) { return columns_of(header, line, wanted); });
+  MeasuredColumns read(std::istream& stream, std::span<const std::vector<ColumnForm>> wanted) {
+    auto columns = read(stream, [&](const auto& header, int line) { return columns_of(header, line, wanted); });
+    if (without_unit_.empty()) return {std::move(columns), ""};
+    return {std::move(columns), fmt::format("{}: columns without a unit in the header are read in SI units: {}; state "
+                                            "another as in 'stress [MPa]'",
+                                            file_, joined(without_unit_))};
   }
 
   NumberTable read_all(std::istream& stream) {
@@ -168,6 +172,7 @@ class Table {
       try {
         const double factor = unit.empty() ? 1.0 : parse_quantity("1 " + unit, std::string(form.unit));
         const bool is_angular = form.name == "frequency" && unit.starts_with("rad");  // 1 rad is 1
+        if (unit.empty() && form.unit != "1") without_unit_.push_back(fmt::format("{} in {}", form.name, form.unit));
         FoundColumn column{place, is_angular ? factor : form.factor * factor, form.offset, {}};
         if (found) {
           found->others.push_back(std::move(column));
@@ -220,6 +225,7 @@ class Table {
   std::string file_;
   std::vector<Diagnostic> errors_;
   std::vector<int> lines_;  // of the rows
+  std::vector<std::string> without_unit_;
 };
 
 bool is_directory(const std::string& file) {
@@ -229,8 +235,8 @@ bool is_directory(const std::string& file) {
 
 }  // namespace
 
-std::vector<std::vector<double>> read_measurements(const std::string& file, const Location& named,
-                                                   std::span<const std::vector<ColumnForm>> wanted) {
+MeasuredColumns read_measurements(const std::string& file, const Location& named,
+                                  std::span<const std::vector<ColumnForm>> wanted) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream || is_directory(file)) {
     throw InputError(named,

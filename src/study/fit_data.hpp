@@ -18,13 +18,19 @@ struct ColumnForm {
   double offset = 0.0;
 };
 
+/// The wanted columns of a table, equally long.
+struct MeasuredColumns {
+  std::vector<std::vector<double>> columns;
+  std::string note;  ///< which of them have no unit in the header; empty if none
+};
+
 /// Reads a table with one column for each entry of `wanted`, the first of whose forms that the header names. A header
 /// cell is `name`, `name [unit]` or `name (unit)`; without a unit the numbers are SI. Blanks in names count as
 /// underscores, case does not count; other columns are left out, and so are empty lines and lines that begin with #.
-/// `named`: where the input names the file, for the message that there is none. Returns the columns, equally long.
-/// Throws InputError with every error, at its line and column of the table. Not collective.
-std::vector<std::vector<double>> read_measurements(const std::string& file, const Location& named,
-                                                   std::span<const std::vector<ColumnForm>> wanted);
+/// `named`: where the input names the file, for the message that there is none. Throws InputError with every error, at
+/// its line and column of the table. Not collective.
+MeasuredColumns read_measurements(const std::string& file, const Location& named,
+                                  std::span<const std::vector<ColumnForm>> wanted);
 
 /// All columns of a table in SI units, called as its header calls them.
 struct NumberTable {

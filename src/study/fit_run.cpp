@@ -60,12 +60,13 @@ std::string lower_case(std::string text) {
 
 /// `is_static`: `time` is the load factor.
 FitTarget read_target(const FitTargetConfig& config, const std::string& folder, double end, bool is_static) {
-  FitTarget target{config, {}, std::string(unit_of_column(config.column)), 1.0, {}, {}, {}};
+  FitTarget target{config, {}, std::string(unit_of_column(config.column)), 1.0, {}, {}, {}, ""};
   if (target.unit.empty()) target.unit = "1";
   const std::string file = (fs::path(folder) / config.data.value).string(), name = lower_case(config.column);
   target.name = fmt::format("{} ({})", config.column, fs::path(config.data.value).filename().string());
-  auto columns = read_measurements(file, config.data.where,
-                                   std::vector<std::vector<ColumnForm>>{{{"time", "s"}}, {{name, target.unit}}});
+  auto [columns, note] = read_measurements(
+      file, config.data.where, std::vector<std::vector<ColumnForm>>{{{"time", "s"}}, {{name, target.unit}}});
+  target.note = std::move(note);
   target.times = std::move(columns[0]);
   target.values = std::move(columns[1]);
   for (const double t : target.times) {
@@ -284,6 +285,9 @@ FittedRun fit_run(MPI_Comm comm, const FitConfig& config, const std::string& dir
 ExitCode fit_run_command(MPI_Comm comm, const FitConfig& config, const std::string& directory, Console& console) {
   const FittedRun fit = fit_run(comm, config, directory, console);
   for (const std::string& line : fit_tables(fit)) console.print(line);
+  for (const FitTarget& target : fit.targets) {
+    if (!target.note.empty()) console.report({Severity::note, {}, target.note});
+  }
   for (const std::string& warning : fit.warnings) console.report({Severity::warning, {}, warning});
   on_root(comm, [&] { write_fit(fit, directory); });
   console.print(fmt::format("results: {0}/report.html, {0}/fit.csv, {0}/fitted.yaml, {0}/*.svg", directory));

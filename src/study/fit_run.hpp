@@ -23,6 +23,7 @@ struct FitTarget {
   std::vector<double> times;  ///< [s], rising
   std::vector<double> values;
   std::vector<double> fitted;  ///< by the run with the fitted values
+  std::string note;            ///< on the units of the table; empty if there is none
 };
 
 /// A fit by runs and all that follows from it.

@@ -39,6 +39,14 @@ double determination_of(const FittedRun& fit, std::size_t n) {
   return pliant::determination_of(fit.outcome.sums[n] * target.scale * target.scale, spread);
 }
 
+std::vector<std::string> notes_of(const FittedRun& fit) {
+  std::vector<std::string> notes;
+  for (const FitTarget& target : fit.targets) {
+    if (!target.note.empty()) notes.push_back(target.note);
+  }
+  return notes;
+}
+
 std::string heading(const FittedRun& fit) {
   return fmt::format("{} number{} of {}, {} target{}, {} measurements", fit.numbers.size(),
                      fit.numbers.size() == 1 ? "" : "s", fit.config.input->value, fit.targets.size(),
@@ -150,7 +158,7 @@ void write_fit(const FittedRun& fit, const std::filesystem::path& directory) {
       fit.config.title.empty() ? "Fit of " + fit.config.input->value : fit.config.title,
       fmt::format("{}. {} of {} starts led to this minimum, in {} runs; the fit has {}converged.", heading(fit),
                   outcome.num_best, outcome.num_starts, fit.num_runs, outcome.minimum.is_converged ? "" : "not "));
-  page += messages_on_page(fit.warnings, {}) + parameters_on_page(rows) + targets_on_page(fit);
+  page += messages_on_page(fit.warnings, notes_of(fit)) + parameters_on_page(rows) + targets_on_page(fit);
   page += plots_on_page(plots,
                         "Measurements (marks) and the fitted motion (lines), and below the residuals: run minus "
                         "measurement. Residuals that follow a curve instead of scattering show what the model lacks.");

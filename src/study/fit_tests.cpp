@@ -190,11 +190,12 @@ std::vector<Sensitive> MaterialTest::predicted(const FitMaterial& material, std:
 MaterialTest read_test(const FitTestConfig& config, const std::string& directory) {
   namespace fs = std::filesystem;
   const std::string file = (fs::path(directory) / config.data.value).string();
-  MaterialTest test{config, "", {}, {}};
+  MaterialTest test{config, "", {}, {}, ""};
   const TestKindInfo& info = kinds[static_cast<std::size_t>(config.kind)];
   if (test.is_elastic()) test.config.loading = info.loading;
   test.name = fmt::format("{} {}", info.name, fs::path(config.data.value).filename().string());
-  auto columns = read_measurements(file, config.data.where, columns_of(config.kind));
+  auto [columns, note] = read_measurements(file, config.data.where, columns_of(config.kind));
+  test.note = std::move(note);
   test.x = std::move(columns[0]);
   for (std::size_t n = 0; n < test.x.size(); ++n) {
     for (std::size_t k = 1; k < columns.size(); ++k) test.y.push_back(columns[k][n]);

@@ -65,7 +65,7 @@ TEST_P(EveryTest, HasTheDerivativesThatDifferencesShow) {
   const Case& one = GetParam();
   const FitConfig config = read_fit(one.material + "tests: [{data: none.csv, " + one.test + "}]\n", "fit.yaml");
   const FitMaterial material(config.material, config.viscosity);
-  MaterialTest test{config.tests.front(), "", one.x, {}};
+  MaterialTest test{config.tests.front(), "", one.x, {}, ""};
   if (test.is_elastic()) test.config.loading = test_kinds()[static_cast<std::size_t>(test.config.kind)].loading;
   ASSERT_EQ(material.num_free(), one.values.size());
   const auto at = [&](std::size_t j, double change) {
@@ -144,9 +144,19 @@ TEST(Measurements, HaveUnitsInTheirHeader) {
   const auto file = folder.write(
       "table.csv",
       "\xEF\xBB\xBF# by hand\r\nsample, Strain [%] ,\"Stress (MPa)\"\r\na, 50,0.25\r\n\r\nb,-20,-1e-1\r\n");
-  const auto columns = read_measurements(file, {}, wanted);
+  const auto [columns, note] = read_measurements(file, {}, wanted);
   EXPECT_EQ(columns[0], (std::vector<double>{1.5, 0.8}));
   EXPECT_EQ(columns[1], (std::vector<double>{0.25e6, -0.1e6}));
+  EXPECT_EQ(note, "");
+}
+
+TEST(Measurements, AreInSIWithoutAUnitAndSayThat) {
+  const Folder folder;
+  const std::vector<std::vector<ColumnForm>> wanted{{{"stretch", "1"}}, {{"stress", "Pa"}}};
+  const auto file = folder.write("table.csv", "stretch,stress\n1.1,55\n");
+  const auto [columns, note] = read_measurements(file, {}, wanted);
+  EXPECT_EQ(columns[1], (std::vector<double>{55.0}));
+  EXPECT_NE(note.find("read in SI units: stress in Pa; state another as in 'stress [MPa]'"), std::string::npos) << note;
 }
 
 TEST(FitFile, ShippedFitsAreGood) {
