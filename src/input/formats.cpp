@@ -71,6 +71,21 @@ Location place_in(const InputNode& node, int position) {
   return where;
 }
 
+/// How a product of a quantity and a formula, such as '5 mm*sin(t)', is written.
+std::string in_si(const std::string& text, const std::string& unit) {
+  for (std::size_t at = text.find('*'); at != std::string::npos; at = text.find('*', at + 1)) {
+    try {
+      const double factor = parse_quantity(text.substr(0, at), unit);
+      const Expression rest(text.substr(at + 1));
+      return std::string(rest.depends_on_time() ? ", where t is the time, and in a unit the tonne" : "") + ": write " +
+             format_number(factor) + "*" + std::string(trimmed(rest.text()));
+    } catch (const std::runtime_error&) {
+      continue;  // the unit has a '*' itself
+    }
+  }
+  return "; products need '*'";
+}
+
 bool read_expression(const InputNode& node, const std::string& name, const std::string& unit, Diagnostics& diagnostics,
                      Expression& into) {
   if (node.kind != InputNode::Kind::scalar) {
@@ -79,8 +94,8 @@ bool read_expression(const InputNode& node, const std::string& name, const std::
   try {
     into = looks_like_quantity(node.text) ? Expression(parse_quantity(node.text, unit)) : Expression(node.text);
   } catch (const UnitError& error) {
-    diagnostics.add(node.where,
-                    "'" + name + "': " + error.what() + " (formulas are in SI without units; products need '*')");
+    diagnostics.add(node.where, "'" + name + "': " + error.what() + " (formulas are in SI without units" +
+                                    in_si(node.text, unit) + ")");
     return false;
   } catch (const ExpressionError& error) {
     const bool is_split = node.style == InputNode::Style::plain && is_part_of_formula(node.text);
@@ -345,6 +360,13 @@ Format<Selection> selection(Selection::Kind kind) {
                                            Selection& into) {
     into.kind = kind;
     into.where = node.where;
+    if (kind == Selection::Kind::point && node.kind == InputNode::Kind::list) {
+      diagnostics.add(node.where,
+                      "'" + name +
+                          "' must be the name or tag of a physical group of points (in gmsh: Physical "
+                          "Point), not a place [x, y, z]; 'box' or 'where' select the surface near a place");
+      return false;
+    }
     return read(node, name, diagnostics, into);
   };
   format.write = [kind, write = format.write](const Selection& s) { return s.kind == kind ? write(s) : InputNode{}; };

@@ -53,6 +53,35 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{6, "probes: [{name: a, @piont: [0, 0, 0]}]", "did you mean 'point'?"},
         Bad{6, "cavities: [{@nam: a, surface: b, gas: {}}]", "did you mean 'name'?"}));
 
+#define WITH_BODY(more) \
+  "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}, " more "}]"
+
+INSTANTIATE_TEST_SUITE_P(
+    WordsOfOtherPrograms, Trap,
+    ::testing::Values(
+        Bad{2, WITH_BODY("@damping: 0.1"), "damping of a body is its 'viscosity', as in {model: kelvin-voigt"},
+        Bad{2, WITH_BODY("@initial_velocity: [0, 0, 1]"), "'initial: {velocity: [..]}'"},
+        Bad{2, WITH_BODY("viscosity: {model: @rayleigh}"),
+            "; Rayleigh damping is the sum of mass-proportional and stiffness-proportional"},
+        Bad{2, WITH_BODY("viscosity: {model: mass-proportional, decay_rate: 1, @alpha: 1}"),
+            "[{model: mass-proportional, decay_rate: alpha}, {model: stiffness-proportional, time: beta}]"},
+        Bad{2, WITH_BODY("viscosity: {model: prony, @g: 0.2, relaxation_time: 1}"), "did you mean 'ratio'?"},
+        Bad{2, WITH_BODY("viscosity: {model: prony, ratio: 0.2, @tau: 1}"), "did you mean 'relaxation_time'?"},
+        Bad{6, "@initial_velocity: [0, 0, 1]", "'initial: {velocity: [..]}'"},
+        Bad{6, "@boundary_conditions: []", "displacements are prescribed in 'constraints'"},
+        Bad{6, "contact: {obstacles: [{name: a, shape: sphere, radius: 1, @center: [0, 0, 0]}]}",
+            "did you mean 'point'?"},
+        Bad{4, "loads: [{force: [0, 0, 1], point: @[0, 0, 1]}]",
+            "'point' must be the name or tag of a physical group of points (in gmsh: Physical Point), not a place"},
+        Bad{6,
+            "contact: {obstacles: [{name: a, shape: sphere, radius: 1, motion: {rotate: {axis: [0, 0, 1], angle: "
+            "@\"90 degree*t\"}}}]}",
+            "where t is the time, and in a unit the tonne: write 1.5707963267948966*t)"},
+        Bad{4, "loads: [{surface: a, pressure: @\"2 kPa*sin(t)\"}]", "in a unit the tonne: write 2000*sin(t))"},
+        Bad{4, "loads: [{surface: a, pressure: @\"2 kPa*x\"}]", "(formulas are in SI without units: write 2000*x)"}));
+
+#undef WITH_BODY
+
 INSTANTIATE_TEST_SUITE_P(
     DecimalCommas, Trap,
     ::testing::Values(

@@ -19,7 +19,8 @@ Format<std::optional<StrainRate>> strain_rate() {
 }
 
 Format<std::string> model() {
-  return choice(law_names(viscosity_laws()));
+  return choice(law_names(viscosity_laws()),
+                "; Rayleigh damping is the sum of mass-proportional and stiffness-proportional");
 }
 
 constexpr const char* rate_key = "rate";
@@ -80,6 +81,8 @@ std::vector<KeyInfo> keys() {
     }
     const ParameterInfo& p = parameter_of(key);
     infos.push_back(key_info(key, format_of(p), p.meaning));
+    if (key == "ratio") infos.back().also = {"g", "g1", "weight"};
+    if (key == "relaxation_time") infos.back().also = {"tau", "tau1", "time_constant"};
     if (p.fallback) infos.back().fallback = format_number(*p.fallback);
   }
   return infos;
