@@ -1,5 +1,6 @@
 #include "command/mechanism_table.hpp"
 
+#include "base/text.hpp"
 #include "input/elasticity.hpp"
 #include "input/input.hpp"
 #include "input/parse.hpp"
@@ -73,6 +74,17 @@ std::string holder(const BodyPoint& point) {
   return point.body.empty() ? "the mesh" : point.body;
 }
 
+/// The surfaces of other bodies that a rigid one holds; `Body`: a BodyConfig or a RigidBodyConfig.
+template <class Body>
+std::string holds(const Body& body) {
+  const auto listed = [](const char* key, const std::vector<Located<std::string>>& surfaces) {
+    std::vector<std::string> names;
+    for (const auto& surface : surfaces) names.push_back(surface.value);
+    return names.empty() ? std::string() : fmt::format(", {}: {}", key, joined(names));
+  };
+  return listed("attached", body.attached) + listed("coupled", body.coupled);
+}
+
 std::string line_of(const JointConfig& joint) {
   std::string text = fmt::format("  {}: {}, {} - {}, at {}", joint.name, name_of(joint.type), joint.between[0],
                                  joint.between[1], place(joint.point));
@@ -112,7 +124,7 @@ std::vector<std::string> body_table(const Config& config, const Model& model) {
       const auto [mass, center] =
           mass_of_rigid_body(completed, model.layout(), model.body_of_cell(), model.shells(), static_cast<int>(b));
       if (mass > 0.0) text += fmt::format(", mass {:.6g} kg", mass);
-      text += ", center " + place(center);
+      text += ", center " + place(center) + holds(body);
     }
     lines.push_back(std::move(text));
     extent_of_body(model, b).append_to(lines, model.layout().comm);
@@ -126,8 +138,8 @@ std::vector<std::string> body_table(const Config& config, const Model& model) {
   for (std::size_t r = 0; r < config.rigid_bodies.size(); ++r) {
     const RigidBodyConfig& body = config.rigid_bodies[r];
     const std::string shape = body.surface ? cells_of(model, config.bodies.size() + r) + ", " : "";
-    lines.push_back(
-        fmt::format("  {}: {}rigid, mass {:.6g} kg, center {}", body.name, shape, body.mass, place(body.center)));
+    lines.push_back(fmt::format("  {}: {}rigid, mass {:.6g} kg, center {}{}", body.name, shape, body.mass,
+                                place(body.center), holds(body)));
     if (body.surface) extent_of_body(model, config.bodies.size() + r).append_to(lines, model.layout().comm);
   }
   return lines.size() > 1 ? lines : std::vector<std::string>{};

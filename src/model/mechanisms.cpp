@@ -126,9 +126,19 @@ std::optional<std::size_t> find_part(const ConstraintsOnMesh& constraints, const
                                                joint.name, name));
     return std::nullopt;
   }
-  selections.report(joint.where, fmt::format("joint '{}' connects '{}', which is not a rigid body, nor a part with a "
-                                             "constraint `rigid`{}; there are: {}",
-                                             joint.name, name, did_you_mean(name, known), joined(known)));
+  const auto is_it = [&](const BodyConfig& body) { return body.part.name == name; };
+  const bool is_soft =
+      std::ranges::any_of(constraints.config.bodies, is_it) || selections.has_group(Selection::Kind::surface, name);
+  selections.report(
+      joint.where,
+      fmt::format(
+          "joint '{}' connects '{}', which is not a rigid body, nor a part with a constraint `rigid`{}{}; there "
+          "are: {}",
+          joint.name, name, did_you_mean(name, known),
+          is_soft ? " (a soft body is joined by a surface of it: give that to a rigid body as `attached: "
+                    "[surface]` or `coupled: [surface]`, and name the rigid body here)"
+                  : "",
+          joined(known)));
   return std::nullopt;
 }
 

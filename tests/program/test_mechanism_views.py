@@ -115,7 +115,7 @@ class MechanismViews(ProgramTest):
     def test_check_lists_what_connects_bodies(self):
         write_box(self.directory / "finger.msh", (10, 2, 2), (0.1, 0.02, 0.02))
         text = self.pliant("check", self.write("finger.yaml", INPUT)).stdout
-        for line in ("palm: rigid, mass 0.1 kg, center (-0.03, 0.01, 0.01)",
+        for line in ("palm: rigid, mass 0.1 kg, center (-0.03, 0.01, 0.01), attached: left\n",
                      "knuckle: hinge, ground - palm, at (-0.05, 0.01, 0.01), axis (0, 1, 0), motor",
                      "eye: ball, palm - bob, at (-0.03, 0.01, 0)\n",
                      "coil: ground - palm, 0.0583095 m long, 50 N/m from 0.0583095 m on, damping 0.1 N s/m",

@@ -780,6 +780,11 @@ joints:
         self.write("in.yaml", as_constraint + f"time: {{{time}}}\n")
         self.assertIn("a volume by 'rigid: true'", self.pliant("check", "in.yaml", status=2).stderr)
 
+        for name in ("body", "left"):
+            named = soft.replace("ROOT", root).replace("- {density", "- {volume: body, density").replace("[ground, root]", f"[ground, {name}]")
+            self.write("in.yaml", named + f"time: {{{time}}}\n")
+            self.assertRegex(self.pliant("check", "in.yaml", status=2).stderr, f"connects '{name}', which is not a rigid body, .*`attached: \\[surface\\]` or `coupled")
+
     def test_mistakes_are_told(self):
         chain = self.chain("ball")
         cases = {
