@@ -22,6 +22,7 @@
 #include "model/rod_bond.hpp"
 #include "model/selections.hpp"
 #include "model/start_adjustment.hpp"
+#include "model/start_overlap.hpp"
 #include "model/tied_surfaces.hpp"
 #include "model/viscosity.hpp"
 #include "model/warnings.hpp"
@@ -331,13 +332,7 @@ void Model::check_overlap(const Config& config) {
   }
   overlaps_at_start_ = overlap.has_value();
   if (!overlap) return;
-  const auto& [x, y, z] = overlap->at;
-  const std::string what = fmt::format(
-      "parts of the mesh that share no node overlap at the start, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g})",
-      overlap->depth, x, y, z);
-  warn(config.mesh.file.where, what +
-                                   ": no contact between them is enabled; move one of them, join them in gmsh "
-                                   "(BooleanFragments), or let them touch ('contact: {law: barrier, pairs: all}')");
+  warn(config.mesh.file.where, describe(*overlap, contacts_ ? contacts_->between_bodies() : nullptr));
 }
 
 std::vector<const EnergyTerm*> Model::active_terms(const Config& config) const {

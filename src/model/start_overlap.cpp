@@ -32,4 +32,18 @@ std::string describe(const SurfaceOverlap& overlap, const std::vector<std::strin
                      is_penalty ? "is too deep for a penalty to part them" : "the barrier does not allow", advice);
 }
 
+std::string describe(const Overlap& overlap, const BodyContacts* between_bodies) {
+  const std::string advice =
+      between_bodies != nullptr
+          ? "the surfaces that 'contact' lists do not meet there, and nothing keeps the parts from each other; move "
+            "one "
+            "of them in the mesh, or list whole bodies and let them be moved apart before the start ('contact: {pairs: "
+            "all, start: resolve}')"
+          : "no contact between them is enabled; move one of them, join them in gmsh (BooleanFragments), or let them "
+            "touch, moved apart before the start ('contact: {law: barrier, pairs: all, start: resolve}')";
+  return fmt::format(
+      "parts of the mesh that share no node overlap at the start, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g}): {}",
+      overlap.depth, overlap.at[0], overlap.at[1], overlap.at[2], advice);
+}
+
 }  // namespace pliant

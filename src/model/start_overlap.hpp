@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/vector3.hpp"
 #include "collision/overlaps.hpp"
+#include "fem/components.hpp"
 #include "input/config.hpp"
 
 #include <array>
@@ -35,5 +36,9 @@ class OverlapError : public InputError {
 /// What overlaps, how deep and where, and what to do. `size`: of a facet, to know what is rounding [m].
 std::string describe(const SurfaceOverlap& overlap, const std::vector<std::string>& body_names, double size,
                      ContactStart start, bool is_penalty);
+
+class BodyContacts;
+/// That parts of the mesh overlap although nothing keeps them apart; `between_bodies`: contact that does not, or null.
+std::string describe(const Overlap& overlap, const BodyContacts* between_bodies);
 
 }  // namespace pliant

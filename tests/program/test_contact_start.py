@@ -147,6 +147,19 @@ class Overlap(ProgramTest):
         self.assertEqual({grid.GetCellType(i) for i in range(grid.GetNumberOfCells())}, {5})
         return corners, values
 
+    def test_overlaps_that_a_list_of_pairs_misses(self):
+        """A block whose foot is below the other's top: the two surfaces of the pair do not meet."""
+        sunken = THREE.replace("Box(2) = {-1, -1, 1.2", "Box(2) = {-1, -1, 0.6")
+        self.write("sunken.geo", sunken)
+        text = (f"mesh: {{file: sunken.geo, scale: 0.01}}\nbodies: [{{volume: base, {SOFT}}}, {{volume: block, {SOFT}}}, {{volume: moon, {SOFT}}}]\n"
+                "constraints: [{surface: floor, displacement: [0, 0, 0]}]\ntime: {method: backward-euler, step: 2 ms, end: 0.02}\n")
+        for contact, words in (("contact: {law: barrier, pairs: [{surface: under, with: top}]}\n", "the surfaces that 'contact' lists do not meet there, and nothing keeps"),
+                               ("", "no contact between them is enabled; .*pairs: all, start: resolve")):
+            self.write("sunken.yaml", text + contact)
+            self.assertRegex(self.pliant("check", "sunken.yaml").stderr, "sunken.yaml:1:14: parts of the mesh that share no node overlap at the start, .*" + words)
+        self.write("sunken.yaml", text + "contact: {pairs: all, start: resolve}\n")
+        self.assertIn("'start: resolve' moves", self.pliant("check", "sunken.yaml").stdout)
+
     def overlap(self, name, geometry, expected, element="P1", usually=(1,), **options):
         """The facets; message and file are the same on 1 and 2 ranks."""
         self.write(name + ".geo", geometry)
