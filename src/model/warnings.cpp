@@ -325,28 +325,23 @@ bool may_fall(const Config& config) {
          std::ranges::none_of(config.loads, holds) && std::ranges::any_of(config.loads, pushes);
 }
 
-bool has_drag(const ContactConfig& contact) {
-  return any_drag(contact, [&](const ContactDragConfig& drag) {
-    return contact.friction(drag).acts() || contact.damping(drag).acts();
-  });
-}
-
 std::vector<Diagnostic> notes_of_idle_keys(const Config& config) {
   const Analysis analysis = analysis_of(config);
   const bool is_static = analysis == Analysis::static_equilibrium;
   std::vector<Diagnostic> notes;
   const char* nothing = is_static ? "no effect on a static equilibrium" : "no effect on quasi-static equilibria";
-  const auto note_if = [&](bool is_there, const char* of_what) {
-    if (is_there) notes.push_back(note(fmt::format("{} {}", of_what, nothing)));
+  const auto note_if = [&](bool is_there, const char* of_what, const std::string& more = "") {
+    if (is_there) notes.push_back(note(fmt::format("{} {}{}", of_what, nothing, more)));
   };
   const bool has_velocity = !is_zero(config.initial.velocity);
   if (analysis == Analysis::quasistatic) note_if(has_velocity, "the initial velocity has");
   if (!is_static) return notes;
   const TimeConfig& time = config.time;
-  if (time.step > 0.0 && time.step < time.end && time.load_steps == 1 && !time.path) {
-    notes.push_back(note(fmt::format("'step' has {}; 'load_steps: {:.0f}' applies the loads in as many parts", nothing,
-                                     std::ceil(time.end / time.step - 1e-9))));
-  }
+  const double parts = time.step < time.end ? std::ceil(time.end / time.step - 1e-9) : 10.0;
+  const bool is_whole = time.load_steps == 1 && !time.path;
+  const auto advice = fmt::format("; 'load_steps: {:.0f}' applies the loads in as many parts", parts);
+  note_if(time.step > 0.0, "'step' has", is_whole ? advice : "");
+  note_if(!time.events.empty(), "'events' have");
   note_if(has_viscosity(config), "viscosity has");
   note_if(has_dashpots(config), "dashpots have");
   note_if(std::ranges::any_of(config.springs, [](const SpringConfig& s) { return s.damping > 0.0; }),
@@ -354,7 +349,10 @@ std::vector<Diagnostic> notes_of_idle_keys(const Config& config) {
   note_if(std::ranges::any_of(
               config.joints, [](const JointConfig& j) { return j.damping.value_or(0) + j.friction.value_or(0) > 0.0; }),
           "damping and friction of joints have");
-  note_if(config.contact && has_drag(*config.contact), "friction and damping of contact have");
+  const auto drags = [&](const ContactDragConfig& drag) {
+    return config.contact->friction(drag).acts() || config.contact->damping(drag).acts();
+  };
+  note_if(config.contact && any_drag(*config.contact, drags), "friction and damping of contact have");
   const auto rubs = [](const TendonConfig& tendon) { return tendon.friction > 0.0; };
   note_if(std::ranges::any_of(config.tendons, rubs), "friction of tendons has");
   note_if(has_velocity || !is_zero(config.initial.displacement), "the initial state has");

@@ -96,10 +96,14 @@ std::vector<Diagnostic> findings_about_solutions(const Config& config, const Sol
                      config.solver.newton.absolute, s.unbalanced_stops, s.stages));
   }
   if (s.worst_rounding > doubtful_rounding && forces == Forces::some) {
-    warn({},
-         fmt::format("{} of {} solves ended at the limit of double precision, one of them with {:.1e} of the forces "
-                     "unbalanced: the bodies are too stiff relative to the forces on them for a more accurate solution",
-                     s.rounding_stops, s.stages, s.worst_rounding));
+    warn({}, fmt::format("{} of {} solves ended at the limit of double precision, one of them with {:.1e} of the "
+                         "forces unbalanced: {}",
+                         s.rounding_stops, s.stages, s.worst_rounding,
+                         config.contact ? "contact or friction, or bodies that are stiff relative to the forces on "
+                                          "them, allow no more accurate solution; compare with a run of shorter steps "
+                                          "where these forces matter"
+                                        : "the bodies are too stiff relative to the forces on them for a more accurate "
+                                          "solution"));
   }
   if (s.unsettled_stages > 0) {
     found.push_back({Severity::note,

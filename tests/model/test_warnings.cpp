@@ -166,6 +166,21 @@ TEST(Advice, WhatAnAnalysisDoesNotUseIsTold) {
   EXPECT_EQ(idle("bdf2"), std::vector<std::string>{});
 }
 
+TEST(Advice, StepsOfAStaticAnalysisAreToldToBeIdle) {
+  const auto idle = [](const std::string& time) {
+    return texts(Severity::note,
+                 notes_of_idle_keys(read_input(test::with_line(5, "time: {" + time + "}"), "a.yaml", {})));
+  };
+  const std::vector<std::string> alone{"'step' has no effect on a static equilibrium"};
+  EXPECT_EQ(idle("method: static, step: 0.1"),
+            std::vector<std::string>{alone[0] + "; 'load_steps: 10' applies the loads in as many parts"});
+  EXPECT_EQ(idle("method: static, step: 0.1, end: 1, load_steps: 4"), alone);
+  EXPECT_EQ(idle("method: static, step: 0.1, path: {max_load: 3}"), alone);
+  EXPECT_EQ(idle("method: static, end: 1, events: [0.5]"),
+            std::vector<std::string>{"'events' have no effect on a static equilibrium"});
+  EXPECT_EQ(idle("method: static, end: 1"), std::vector<std::string>{});
+}
+
 TEST(Advice, AModulusBelowThatOfAnyGelIsWarnedOfWithoutADensityToo) {
   const auto told = [](const std::string& more) {
     return warnings_of(test::with_line(2,
