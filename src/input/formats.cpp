@@ -325,11 +325,15 @@ Format<Expression> expression(const std::string& unit, Variables variables) {
 Format<std::optional<Expression>> expression_or_free(const std::string& unit, Variables variables) {
   const auto value = expression(unit, variables);
   Format<std::optional<Expression>> format{value.type + ", or `free`", value.schema, {}, {}};
-  format.read = [value](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
-                        std::optional<Expression>& into) {
+  format.read = [value, unit](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
+                              std::optional<Expression>& into) {
     if (node.kind == InputNode::Kind::scalar && node.text == "free") {
       into.reset();
       return true;
+    }
+    if (node.kind == InputNode::Kind::null || node.text == "-") {
+      return refuse(node, name, quantity_name(unit) + " or a formula (what is not prescribed is written `free`)",
+                    diagnostics);
     }
     return value.read(node, name, diagnostics, into.emplace());
   };

@@ -147,7 +147,8 @@ Section<SolverConfig> solver_keys() {
           choice_of<LinearSolver>({{"auto", LinearSolver::automatic},
                                    {"cholesky", LinearSolver::cholesky},
                                    {"amg", LinearSolver::amg},
-                                   {"p-multigrid", LinearSolver::p_multigrid}}),
+                                   {"p-multigrid", LinearSolver::p_multigrid}},
+                                  " (a direct solver, MUMPS: 'cholesky')"),
           "linear solver: sparse Cholesky (MUMPS), conjugate gradients with algebraic multigrid, or with multigrid of "
           "quadratic elements through linear ones; auto: by size")
           .otherwise("auto"),
@@ -180,7 +181,9 @@ Section<Config> config_keys() {
       field("title", &Config::title, text(), "free text for the log and the results"),
       field("mesh", &Config::mesh, map_of(mesh_keys()), "the mesh")
           .or_none("none; only `rigid_bodies` and `rods` need none"),
-      field("element", &Config::element, choice_of<ElementOrder>({{"P1", ElementOrder::p1}, {"P2", ElementOrder::p2}}),
+      field("element", &Config::element,
+            choice_of<ElementOrder>({{"P1", ElementOrder::p1}, {"P2", ElementOrder::p2}},
+                                    " (tetrahedra of 4 nodes: 'P1', of 10 nodes: 'P2')"),
             "linear or quadratic tetrahedra")
           .otherwise("P1"),
       field("volumetric", &Config::volumetric,

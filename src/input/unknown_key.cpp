@@ -1,9 +1,9 @@
 #include "input/unknown_key.hpp"
 
 #include "base/text.hpp"
+#include "input/foreign_keys.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <iterator>
 #include <optional>
@@ -39,50 +39,6 @@ std::string where_it_belongs(const std::string& key, const KeyInfo& section, con
   if (is_of_file) owners.insert(owners.begin(), "the top level");
   if (owners.empty() || owners.size() > 2) return "";
   return " (it is a key of " + owners[0] + (owners.size() > 1 ? " and of " + owners[1] : "") + ")";
-}
-
-/// A key that other programs have, and what stands for it here.
-struct Foreign {
-  std::string_view section;  ///< without the number of an entry; empty: the top level
-  std::string_view key;
-  std::string_view instead;
-};
-constexpr std::string_view damping =
-    "damping of a body is its 'viscosity', as in {model: kelvin-voigt, shear: ..} or, for Rayleigh damping, [{model: "
-    "mass-proportional, decay_rate: alpha}, {model: stiffness-proportional, time: beta}]";
-constexpr std::string_view rayleigh =
-    "Rayleigh damping is [{model: mass-proportional, decay_rate: alpha}, {model: stiffness-proportional, time: beta}]";
-constexpr std::string_view velocity = "velocities at time 0 are given by 'initial: {velocity: [..]}'";
-constexpr std::string_view displacement = "displacements at time 0 are given by 'initial: {displacement: [..]}'";
-constexpr std::string_view material = "the material of a body is given by its 'elasticity', 'density' and 'viscosity'";
-constexpr std::string_view conditions =
-    "displacements are prescribed in 'constraints', forces and pressures in 'loads'";
-constexpr std::array foreign{
-    Foreign{"bodies", "damping", damping},
-    Foreign{"bodies", "rayleigh", damping},
-    Foreign{"bodies", "rayleigh_damping", damping},
-    Foreign{"bodies", "initial_velocity", velocity},
-    Foreign{"bodies", "velocity", velocity},
-    Foreign{"bodies", "material", material},
-    Foreign{"viscosity", "alpha", rayleigh},
-    Foreign{"viscosity", "beta", rayleigh},
-    Foreign{"", "damping", damping},
-    Foreign{"", "rayleigh", damping},
-    Foreign{"", "initial_velocity", velocity},
-    Foreign{"", "initial_displacement", displacement},
-    Foreign{"", "initial_conditions", velocity},
-    Foreign{"", "material", material},
-    Foreign{"", "materials", material},
-    Foreign{"", "boundary_conditions", conditions},
-    Foreign{"", "boundary", conditions},
-};
-
-/// What stands here for a key of other programs; else empty.
-std::string_view instead_of(const std::string& key, const std::string& section_name) {
-  const std::string_view section = std::string_view(section_name).substr(0, section_name.find('['));
-  const auto* const found =
-      std::ranges::find_if(foreign, [&](const Foreign& one) { return one.section == section && one.key == key; });
-  return found == foreign.end() ? "" : found->instead;
 }
 
 /// What is said of a key that is a piece of another value; else empty.
@@ -151,7 +107,8 @@ void report_unknown_key(const InputNode& child, const std::string& section_name,
                         const KeyInfo& section, Diagnostics& diagnostics) {
   const std::string& key = child.key;
   const auto keys = usable(node, section);
-  const auto synonym = synonym_of(key, keys);
+  auto synonym = synonym_of(key, keys);
+  if (const std::string word(key_for(key, section_name)); !synonym && has_key(keys, word)) synonym = word;
   const auto meant = synonym ? synonym : closest(key, names_of(keys));
   const bool is_slip = meant && edit_distance(key, *meant) <= 1;
   const auto belongs = where_it_belongs(key, section, diagnostics.keys_of_file());

@@ -127,7 +127,6 @@ Section<ObstacleConfig> obstacle_keys() {
             "where the bodies are: around the obstacle, or within it as in a vessel")
           .otherwise("outside"),
   };
-  keys[2].info.also = {"center", "centre", "position", "origin"};
   for (const auto& key : drag_keys(of_contact)) keys.push_back(within(&O::drag, key));
   keys.push_back(field("motion", &O::motion, map_of(motion_keys()), "prescribed motion; functions of t")
                      .otherwise_in_words("none"));

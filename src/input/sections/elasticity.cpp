@@ -106,7 +106,9 @@ Section<ElasticityConfig> elasticity_keys() {
   Section<E> section;
   section.where = &E::where;
   section.fields.push_back(
-      field("model", &E::model, choice(law_names(elastic_laws())), "elastic law (`pliant materials`)")
+      field("model", &E::model,
+            choice(law_names(elastic_laws()), " (linear elasticity: 'linear' at small strain, else 'neo-hookean')"),
+            "elastic law (`pliant materials`)")
           .otherwise_in_words("that of the `library`")
           .left_out_if([](const E& e) { return !e.library.empty(); }));
   section.fields.push_back(

@@ -81,8 +81,6 @@ std::vector<KeyInfo> keys() {
     }
     const ParameterInfo& p = parameter_of(key);
     infos.push_back(key_info(key, format_of(p), p.meaning));
-    if (key == "ratio") infos.back().also = {"g", "g1", "weight"};
-    if (key == "relaxation_time") infos.back().also = {"tau", "tau1", "time_constant"};
     if (p.fallback) infos.back().fallback = format_number(*p.fallback);
   }
   return infos;
