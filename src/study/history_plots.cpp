@@ -7,6 +7,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <functional>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -54,11 +55,12 @@ bool is_bookkeeping(const std::string& column) {
 
 std::string file_name_of(std::string text) {
   constexpr std::size_t longest = 100;
-  for (char& c : text) {
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && std::string_view("._=+-,").find(c) == std::string::npos) {
-      c = '_';
-    }
-  }
+  const auto is_plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string_view("._=+-,").find(c) != std::string_view::npos;
+  };
+  while (text.size() > 1 && !is_plain(text.back())) text.pop_back();
+  std::ranges::replace_if(text, std::not_fn(is_plain), '_');
   return text.substr(0, longest);
 }
 

@@ -47,6 +47,15 @@ function surroundSecond(second) {
   return { history: second.history, names };
 }
 
+/// Past the end of the shorter run its name says where it has ended: its drawing stays as it was there.
+function markEnds(player, second, bodies) {
+  const ends = [bodies, second.bodies].map(({ frames }) => frames.at(-1).time), names = [second.firstName, second.name];
+  const texts = ends.map((end) => player.text(end).join(" ").trim());
+  player.listen((time) => ["name", "name-2"].forEach((id, i) => {
+    place(id).textContent = names[i] + (time > ends[i] ? ` · ended at ${texts[i]}` : "");
+  }));
+}
+
 /// What surrounds the drawing of a run: its history in plots.
 async function surroundRun(player, second) {
   const history = await readHistory(report);
@@ -80,6 +89,7 @@ async function start() {
   const second = report.other ? await Second.load(report.other, bodies) : null;
   const player = new Player(second ? second.frames(bodies.frames) : bodies.frames, isStatic);
   const { history, plots } = report.model ? surroundModel() : await surroundRun(player, second);
+  if (second && !player.hasLabels) markEnds(player, second, bodies);
   showTexts(place("texts"), report);
   let view;
   try {

@@ -77,9 +77,10 @@ class Pair(ProgramTest):
             self.assertLess(reach, 1, name)
         # The slider goes to the end of the longer run; the shorter one stays where it ended.
         self.assertEqual(browser.evaluate("Number(document.getElementById('scrub').max)"), 0.1)
-        for time, frame in ((0.03, 3), (0.1, 6)):
+        for time, frame, name in ((0.03, 3, "soft"), (0.06, 6, "soft"), (0.1, 6, "soft · ended at 60 ms")):
             browser.evaluate(f"pliant.player.seek({time})")
             browser.drawn()
+            self.assertEqual(browser.evaluate("['name', 'name-2'].map(id => document.getElementById(id).textContent)"), ["stiff", name])
             self.assertEqual(browser.evaluate("[pliant.view.options.time, pliant.second.view.options.time, pliant.second.view.at.frame]"), [time, time, frame])
         low, high = browser.evaluate("[pliant.panel.shown.low, pliant.panel.shown.high]")
         ranges = browser.evaluate("""[pliant.view, pliant.second.view].map(v => [v.bodies.fields[v.options.field].name, v.options.low, v.options.high])""")
@@ -97,7 +98,7 @@ class Pair(ProgramTest):
 
     def test_what_surrounds_them(self):
         browser = self.opened(1280, 900)
-        self.assertEqual(browser.evaluate("['name', 'name-2'].map(id => document.getElementById(id).textContent)"), ["stiff", "soft"])
+        self.assertEqual(browser.evaluate("['name', 'name-2'].map(id => document.getElementById(id).textContent)"), ["stiff", "soft · ended at 60 ms"])
         text = browser.evaluate("document.getElementById('differences').innerText")
         self.assertRegex(text, r"(?s)stiff.*youngs_modulus: 1000000.*soft.*youngs_modulus: 500000")
         self.assertNotIn("directory", text)
