@@ -36,7 +36,9 @@ class HelpFormatter : public CLI::Formatter {
 std::string no_command(const std::string& word, const CLI::App& among, const std::string& instead = "") {
   std::vector<std::string> names;
   for (const CLI::App* sub : among.get_subcommands({})) names.push_back(sub->get_name());
-  return fmt::format("there is no command '{}'{}", word, instead.empty() ? did_you_mean(word, names) : instead);
+  std::string meant = instead.empty() ? did_you_mean(word, names) : instead;
+  if (meant.empty() && names.size() < 4) meant = "; its commands are: " + joined(names);
+  return fmt::format("there is no command '{}'{}", word, meant);
 }
 
 /// The first word that the command does not take: an option, or else an argument; CLI11 lists all of them backwards.
@@ -53,9 +55,10 @@ std::string no_place_for(const std::vector<std::string>& words, const CLI::App& 
     const auto repeats = [](const CLI::Option* one) { return one->count() > 0 && one->get_expected_max() > 1; };
     const auto given = command.get_options(repeats);
     const std::string how =
-        given.empty() ? ""
-                      : fmt::format("; several values of {0} are given as {0} {1} {0} {2}", given.front()->get_name(),
-                                    given.front()->results().back(), words.front());
+        command.get_name() == "plot" ? "; columns are given by --of " + words.front()
+        : given.empty()              ? ""
+                        : fmt::format("; several values of {0} are given as {0} {1} {0} {2}", given.front()->get_name(),
+                                      given.front()->results().back(), words.front());
     return fmt::format("it takes no argument '{}'{}", words.front(), how);
   }
   const std::string name = option->substr(0, option->find('='));
@@ -68,7 +71,9 @@ std::string no_place_for(const std::vector<std::string>& words, const CLI::App& 
   for (const CLI::Option* of : command.get_options()) {
     for (const std::string& long_name : of->get_lnames()) known.push_back("--" + long_name);
   }
-  return fmt::format("it has no option '{}'{}", name, did_you_mean(name, known));
+  std::string meant = did_you_mean(name, known);
+  if (meant.empty() && known.size() > 2 && known.size() < 9) meant = "; its options are: " + joined(known);
+  return fmt::format("it has no option '{}'{}", name, meant);
 }
 
 /// What CLI11 says, and what most likely was meant.

@@ -5,6 +5,7 @@
 #include "input/defaults.hpp"
 #include "input/keys.hpp"
 #include "input/parse.hpp"
+#include "input/unknown_key.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -62,6 +63,10 @@ Config read_input(const std::string& text, const std::string& file, const std::v
   if (root.kind == InputNode::Kind::null) {
     if (overrides.empty()) throw InputError({file, 0, 0}, "the input is empty");
     root.where = {file, 1, 1};
+  }
+  const auto has_keys = [&](const char* a, const char* b) { return is_given(root, a) && is_given(root, b); };
+  if (has_keys("material", "tests") || has_keys("input", "targets")) {
+    throw InputError({file, 1, 1}, "this is a fit file, not the input of a run: pliant fit " + file);
   }
   for (const Override& change : overrides) apply_override(change, root, diagnostics);
   Config config = read_config(root, diagnostics);

@@ -32,8 +32,9 @@ InputNode* entry_of(InputNode& node, const std::string& part, const Location& wh
       if (name != nullptr) names += (names.empty() ? "; their names: " : ", ") + excerpt(name->text);
     }
     diagnostics.add(where, "'" + excerpt(part) + "' does not name an entry of this list" +
-                               (size == 0 ? ", which is empty"
-                                          : "; they are numbered from 0 to " + std::to_string(size - 1) + names));
+                               (size == 0   ? ", which is empty"
+                                : size == 1 ? "; its only entry has the number 0" + names
+                                            : "; they are numbered from 0 to " + std::to_string(size - 1) + names));
     return nullptr;
   }
   if (node.kind == Kind::scalar) {

@@ -29,8 +29,11 @@ void add_owners(const std::string& key, const std::vector<KeyInfo>& keys, const 
 /// Where a key that a section does not have belongs: " (it belongs in ...)" for a section in it, or the whole file;
 /// else " (it is a key of ...)" for one or two other sections; else empty.
 std::string where_it_belongs(const std::string& key, const KeyInfo& section, const KeyInfo* file) {
-  const auto inner = std::ranges::find_if(section.children, [&](const KeyInfo& k) { return has_key(k.children, key); });
-  if (inner != section.children.end()) return " (it belongs in " + inner->key + ")";
+  std::vector<std::string> inner;
+  for (const KeyInfo& one : section.children) {
+    if (has_key(one.children, key)) inner.push_back(one.key);
+  }
+  if (!inner.empty() && inner.size() <= 3) return " (it belongs in " + joined(inner) + ")";
   if (file == nullptr) return "";
   std::vector<std::string> owners;
   add_owners(key, file->children, "", owners);

@@ -94,6 +94,10 @@ std::filesystem::path result_file(const std::filesystem::path& place) {
     file /= is_there("state.h5") && !is_there("result.h5") ? "state.h5" : "result.h5";
   }
   if (file.extension() == ".xdmf") file.replace_extension(".h5");
+  constexpr std::array others{".csv", ".json", ".html", ".txt"};
+  if (std::ranges::find(others, file.extension()) != others.end()) {
+    throw FileError(fmt::format("'{}' is not a result: give the directory of the run", file.string()));
+  }
   if (!std::filesystem::is_regular_file(file, ignored)) {
     throw FileError(fmt::format("there is no result: '{}' does not exist", file.string()));
   }

@@ -54,8 +54,9 @@ Region region(const Selection& part) {
 /// What is reported of a group of the mesh that is empty.
 std::string holds_nothing(const Selection& part) {
   return fmt::format(
-      "{} is defined in the mesh, but holds nothing of it; in a .geo, a BoundingBox must be a little "
-      "larger than what it is to contain: widen it by 1e-6 or so on every side",
+      "{} is defined in the mesh, but holds nothing of it; in a .geo, a BoundingBox has its lower "
+      "corner first and must be a little larger than what it is to contain (widen it by 1e-6 or so on "
+      "every side), and Boolean operations change the numbers of entities",
       describe(part));
 }
 

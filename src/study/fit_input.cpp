@@ -272,6 +272,11 @@ FitConfig read_fit(const std::string& text, const std::string& file) {
   Diagnostics diagnostics;
   const InputNode root = parse_yaml(text, file, diagnostics);
   if (root.kind == InputNode::Kind::null) throw InputError({file, 0, 0}, "the file is empty");
+  if (root.find("mesh") != nullptr || root.find("bodies") != nullptr) {
+    throw InputError({file, 1, 1},
+                     "this is the input of a run, not a fit file; to fit numbers of it, name it in a fit "
+                     "file (YAML) with the keys input, parameters and targets");
+  }
   FitConfig config;
   fit_format().read(root, "", diagnostics, config);
   config.file = file;

@@ -487,7 +487,7 @@ TEST(InputErrors, OfOverridesNameTheOverride) {
   const std::vector<std::pair<Override, std::string>> cases{
       {{"time.step", "-1"}, "'step' must be > 0 [s], not '-1'"},
       {{"time.stp", "1"}, "unknown key 'stp' in time (did you mean 'step'?)"},
-      {{"bodies.1.density", "1"}, "'1' does not name an entry of this list; they are numbered from 0 to 0"},
+      {{"bodies.1.density", "1"}, "'1' does not name an entry of this list; its only entry has the number 0"},
       {{"bodies.first.density", "1"}, "'first' does not name an entry of this list"},
       {{"time.step.size", "1"}, "there is no key 'size' in the value '0.01'"},
       {{"", "1"}, "the path must be keys separated by dots"},

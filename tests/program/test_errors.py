@@ -212,6 +212,9 @@ BAD_FILES_AND_OPTIONS = {  # told once ranks do different work
     "a directory as input": (["run", "folder"], "directory"),
     "an empty input": (["run", "empty.yaml"], "empty"),
     "binary input": (["run", "binary.yaml"], "binary.yaml"),
+    "a fit file as input": (["run", "fit.yaml"], "fit.yaml:1:1: this is a fit file, not the input of a run: pliant fit fit.yaml"),
+    "an input as fit file": (["fit", "in.yaml"], "in.yaml:1:1: this is the input of a run, not a fit file"),
+    "a script without its kernel": (["mesh", "convert", "kernel.geo", "a.h5"], r'begin the script with SetFactory\("OpenCASCADE"\)'),
     "a mesh as input": (["run", "cube.msh"], r"name it in one .YAML.: 'mesh: \{file: cube.msh\}'"),
     "HDF5 as input": (["run", "bad.h5"], "pliant resume"),
     "PETSc options in no file": (["methods", "--", "-options_file", "nowhere.txt"], "PETSc options: .*nowhere.txt"),
@@ -229,6 +232,11 @@ BAD_FILES_AND_OPTIONS = {  # told once ranks do different work
 BAD_COMMANDS = {
     "no command": ([], "subcommand|command"),
     "unknown command": (["runn", "in.yaml"], "'runn' .*did you mean 'run'"),
+    "a column without its option": (["plot", "out", "tip_z"], "takes no argument 'tip_z'; columns are given by --of tip_z"),
+    "an option of few": (["plot", "out", "--columns", "tip_z"], "no option '--columns'; its options are: .*--of"),
+    "a command of few": (["mesh", "cube.msh"], "no command 'cube.msh'; its commands are: convert"),
+    "a key of three sections": (["run", "in.yaml", "--set", "end=1"], r"unknown key 'end' .it belongs in rods.* time"),
+    "an entry by another name": (["run", "in.yaml", "--set", "bodies.cube.density=1"], "its only entry has the number 0"),
     "an input without a command": (["in.yaml"], "to run an input: pliant run in.yaml"),
     "no input": (["run"], "INPUT is required; see pliant run --help"),
     "a setting without --set": (["run", "in.yaml", "time.step=5ms"], "by --set time.step=5ms"),
@@ -274,6 +282,8 @@ class Errors(MistakesTest):
             other.attrs["format"] = "pliant-result"
         (directory / "binary.yaml").write_bytes(bytes(range(256)))
         (directory / "bad.geo").write_text("Point(1) = {0, 0, 0};\nLine(1) = {1, 2;\n")
+        (directory / "fit.yaml").write_text("material: {model: yeoh}\ntests: [{kind: uniaxial, data: a.csv}]\n")
+        (directory / "kernel.geo").write_text("Box(1) = {0, 0, 0, 1, 1, 1};\n")
         (directory / "commands.geo").write_text("x = 1;\nSystemCall \"touch made\";\n")
         (directory / "flat.geo").write_text('SetFactory("OpenCASCADE");\nRectangle(1) = {0, 0, 0, 1, 1};\n')
         for kind, text in BAD_STL.items():

@@ -141,6 +141,8 @@ class Pair(ProgramTest):
         done = self.call("report", "out/stiff", "out/missing")
         self.assertEqual((done.returncode, done.stderr.count("\n")), (4, 1), done.stderr)
         self.assertIn("missing", done.stderr)
+        done = self.call("report", "out/stiff/history.csv")
+        self.assertEqual((done.returncode, done.stderr), (4, "'out/stiff/history.csv' is not a result: give the directory of the run\n"))
 
 LARGE = """
 title: a plate that falls

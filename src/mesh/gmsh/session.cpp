@@ -22,6 +22,7 @@ std::vector<std::string> logged_errors() {
   for (const auto& line : log) {
     if (line.rfind(error_prefix, 0) != 0) continue;
     std::string text = line.substr(sizeof error_prefix - 1);
+    if (text.ends_with("OpenCASCADE geometry kernel")) text += ": begin the script with SetFactory(\"OpenCASCADE\");";
     if (seen.insert(text).second) errors.push_back(std::move(text));
   }
   return errors;
