@@ -422,7 +422,11 @@ class Convert(ConvertTest):
         fails(good.replace("*SOLID SECTION, ELSET=cube1", "*SOLID SECTION, ELSET=CBUE1"), "cube.inp:\\d+: the set of elements 'CBUE1' is not defined \\(did you mean 'cube1'\\?\\)\n")
         fails(good + "*NSET, NSET=all, ELSET=cub1\n", "cube.inp:\\d+: 'cub1' is neither a number nor the name of a set of elements before this line \\(did you mean 'cube1'\\?\\)\n")
         for kind in ("S4", "C3D8X"):
-            fails(good.replace("C3D8", kind), "cube.inp: no solid elements")
+            fails(good.replace("C3D8", kind), f"cube.inp: no solid elements .* have a material; elements of types without a counterpart: 1 {kind}\n")
+        fails(good.replace("C3D8", "C3D10"), "cube.inp:\\d+: element 1 has 8 nodes, and one of type C3D10 has 10\n")
+        fails(good.replace(", MATERIAL=rubber1\n*S", "\n*S"), "cube.inp:\\d+: \\*SOLID SECTION of cube1 names no material")
+        fails(good.replace("left1, 1\n", "left1, XSYM\n"), "cube.inp:\\d+: 'XSYM' is not a support \\(did you mean 'XSYMM'\\?\\)\n")
+        fails(good.replace("right1, 1, 1", "part-1-1.right1, 1, 1"), "cube.inp:\\d+: .*did you mean 'right1'\\?\\)\n")
         fails("<febio_spec", "cube.feb:1: not an XML file", "cube.feb")
         fails('<febio_spec version="1.2"/>', "cube.feb:1: the version 1.2 is too old", "cube.feb")
         fails('<febio_spec version="4.0"><Module type="biphasic"/></febio_spec>', "cube.feb:1: the module 'biphasic' is not supported", "cube.feb")
@@ -435,6 +439,14 @@ class Convert(ConvertTest):
         self.assertEqual((done.returncode, (self.directory / "cube.yaml").read_text()), (2, "mine"))
         self.assertIn("cube.yaml exists: name another file with --output, or replace it with --force", done.stderr)
         self.assertEqual(self.call("convert", "cube.inp", "-o", "missing/cube.yaml").returncode, 4)
+
+    def test_nodes_that_coincide_have_the_numbers_of_the_deck(self):
+        two = abaqus_cubes(["*ELASTIC\n1e6, 0.3\n"] * 2, pulled(2))
+        moved = re.sub(r"^(1[789]|2[0-4]), (\d), (\d), (\d)$", lambda m: f"{m[1]}, {m[2]}, {int(m[3]) - 2}, {m[4]}", two, flags=re.MULTILINE)
+        _, said = self.convert("cubes.inp", moved)
+        self.assertIn("cubes.inp: 4 nodes lie where others do (17 on 12, 18 on 11, 21 on 16, 22 on 15): the parts that meet there are not joined", said)
+        _, said = self.convert("cubes.inp", two)
+        self.assertNotIn("lie where others do", said)
 
     def test_sets_that_no_user_has_made_are_no_volumes(self):
         text = abaqus_cubes([next(iter(ABAQUS.values()))[0]], pulled(1), "*ELSET, ELSET=_top_S1, INTERNAL\n1\n*ELSET, ELSET=mine\n1\n")

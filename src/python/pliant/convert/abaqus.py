@@ -87,6 +87,7 @@ def read(file, diagnostics):
         diagnostics.missing(None, f"{len(without)} of {len(model.elements)} elements have no *SOLID SECTION, and are left out with what is on them alone")
     contact.finish()
     conditions.finish(nonlinear, material_of)
+    mesh.note_coinciding()
     return model
 
 
@@ -104,6 +105,8 @@ def add_body(model, name, card, materials, analysis, finished, diagnostics):
     material = materials.by_name.get(card.upper("MATERIAL"))
     if name not in model.element_sets:
         raise diagnostics.undefined(card.line, f"the set of elements '{name}' is not defined", name, model.element_sets)
+    if not card.has("MATERIAL"):
+        raise diagnostics.wrong(card.line, f"{card.title} of {name} names no material (MATERIAL=..)")
     if material is None:
         raise diagnostics.undefined(card.line, f"the material '{card.value('MATERIAL')}' is not defined", card.value("MATERIAL"), (m.name for m in materials.by_name.values()))
     if card.has("ORIENTATION"):

@@ -102,6 +102,8 @@ class AbaqusConditions:
             value = 0.0
             if named in NAMED_SUPPORTS:
                 components = NAMED_SUPPORTS[named]
+            elif named.isalpha():
+                raise self.diagnostics.undefined(line, f"'{entries[1]}' is not a support", named, NAMED_SUPPORTS)
             else:
                 first = whole(named, line, self.diagnostics, "the first degree of freedom")
                 last = whole(entries[2] if len(entries) > 2 and entries[2] else named, line, self.diagnostics, "the last degree of freedom")

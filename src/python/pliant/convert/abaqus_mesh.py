@@ -12,6 +12,8 @@ from .model import free_name
 SOLIDS = {"C3D4": "tetrahedron", "C3D5": "pyramid", "C3D6": "wedge", "C3D8": "brick", "C3D10": "quadratic tetrahedron",
           "C3D15": "quadratic wedge", "C3D20": "quadratic brick", "C3D13": "quadratic pyramid"}
 LETTERS = "HIMRSTV"
+# Nodes closer than this, relative to the extent, coincide (src/mesh/repair.cpp).
+COINCIDENCE = 1e-10
 GENERATING = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SUBMODEL")
 
 
@@ -57,6 +59,21 @@ class AbaqusMesh:
         if self.left_out:
             self.diagnostics.missing(self.first_left_out, "elements of types without a counterpart: "
                                   + ", ".join(f"{count} {name}" for name, count in self.left_out.items()))
+
+    def note_coinciding(self):
+        """Names the nodes of elements that lie where others do: parts are joined by nodes alone."""
+        used = np.unique(np.concatenate([np.array(rows) for rows in self.model.elements] or [np.zeros(0, int)]))
+        contact, tied = self.model.contact, any("tied_to" in keys for _, keys in self.model.constraints)
+        if len(used) == 0 or contact.is_there or tied:
+            return
+        x = self.model.points[used]
+        near = COINCIDENCE * float(np.linalg.norm(np.ptp(x, axis=0)) or 1.0)
+        _, first, place = np.unique(np.round(x / near), axis=0, return_index=True, return_inverse=True)
+        pairs = [(row, other) for row, other in zip(used, used[first[place.ravel()]]) if row != other]
+        if pairs:
+            said = ", ".join(f"{self.label_of(row)} on {self.label_of(other)}" for row, other in pairs[:5])
+            self.diagnostics.note(None, f"{len(pairs)} nodes lie where others do ({said}{', ..' if len(pairs) > 5 else ''}): the parts that meet there are not joined, and `pliant check` asks "
+                                  "what becomes of them: merge the nodes, or tie the surfaces (*TIE, or `tied_to` in the input)")
 
     @property
     def row_of_node(self):
@@ -188,7 +205,7 @@ class AbaqusMesh:
             members.append(self.add_element(labels[0], kind, rows, line))
             labels = []
         if labels:
-            raise self.diagnostics.wrong(card.data[-1][0], f"the nodes of element {labels[0]} are incomplete")
+            raise self.diagnostics.wrong(card.data[-1][0], f"element {labels[0]} has {len(labels) - 1} nodes, and one of type {card.upper('TYPE')} has {wanted - 1}")
 
     def add_element(self, label, kind, rows, line):
         """Its row; an element may be repeated as it is, in another set."""

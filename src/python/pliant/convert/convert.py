@@ -64,7 +64,8 @@ def mesh_of(model, diagnostics):
     """The mesh with a group for each set and surface; groups of elements without a body are left out."""
     members = sorted({row for body in model.bodies for row in model.element_sets[body.elements]})
     if not members:
-        raise PliantError(f"{diagnostics.file}: no solid elements (bricks, wedges, pyramids, tetrahedra) have a material")
+        others = [text for _, text in diagnostics.left_out if text.startswith("elements of types")]
+        raise PliantError(f"{diagnostics.file}: no solid elements (bricks, wedges, pyramids, tetrahedra) have a material" + "".join(f"; {text}" for text in others))
     mesh = Mesh(model, members)
     if any("brick" in kind or "wedge" in kind or "pyramid" in kind for kind in mesh.by_kind):
         diagnostics.note(None, f"{sum(len(rows) for rows in mesh.by_kind.values())} elements were cut into {len(mesh.cells)} tetrahedra"

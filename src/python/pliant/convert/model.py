@@ -47,7 +47,8 @@ class Diagnostics:
     def undefined(self, line, text, name, known):
         """The same for a name that nothing has, with the one of those known that is like it, regardless of case."""
         spelled = {one.upper(): one for one in known if one}
-        near = difflib.get_close_matches(name.upper(), spelled, 1)
+        own = name.upper().rpartition(".")[2]  # without the instance
+        near = [own] if own in spelled and own != name.upper() else difflib.get_close_matches(name.upper(), spelled, 1)
         return self.wrong(line, text + (f" (did you mean '{spelled[near[0]]}'?)" if near else ""))
 
     def _add(self, to, line, text):
