@@ -476,7 +476,7 @@ class TestWrongUse(SimulationTest):
                     (ValueError, "cannot change while a simulation runs", lambda: sim.set("mesh.file", "other.msh")),
                     (ValueError, "cannot change while a simulation runs", lambda: sim.set("time.method", "dirk22")),
                     (ValueError, "did you mean 'gravity'", lambda: sim.set("loads.0.gravty", [0, 0, 1])),
-                    (ValueError, "numbered from 0 to 0", lambda: sim.set("loads.1.gravity", [0, 0, 1])),
+                    (ValueError, "its only entry has the number 0", lambda: sim.set("loads.1.gravity", [0, 0, 1])),
                     (ValueError, "is a length, but an acceleration", lambda: sim.set("loads.0.gravity", [0, 0, "1 m"])),
                     (ValueError, "has no surface 'rigth' .did you mean 'right'", lambda: sim.surface("rigth")),
                     (ValueError, r"shape \(4, 3\) is needed, not \(3,\)", lambda: right.apply_forces([0, 0, 1])),
