@@ -182,7 +182,7 @@ output: {{history: [{{name: peak, of: von_mises_stress, take: max}}]}}
             self.assertIn(label, text)
             self.assertNotIn("time [s]", text)
         # Values of several units are drawn, and written, in SI; as typed too.
-        self.assertIn("youngs_modulus [MPa]", texts_of(self.directory / "out/last_tip_uz_.svg"))
+        self.assertIn("youngs_modulus [MPa]", texts_of(self.directory / "out/last_tip_uz.svg"))
         self.assertNotIn("when [s]", texts_of(self.directory / "out/when.svg"))
         with open(self.directory / "out/sweep.csv", encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file))
