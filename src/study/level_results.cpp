@@ -114,7 +114,7 @@ std::vector<std::string> LevelResults::write(MPI_Comm comm, const std::filesyste
   for (std::size_t n = 0; n < numbers_.size(); ++n) {
     const auto drawn = plot(n, title.empty() ? "convergence" : title);
     if (!drawn) continue;
-    files.push_back((directory / file_name_of("error_" + numbers_[n].name + ".svg")).string());
+    files.push_back((directory / (file_name_of("error_" + numbers_[n].name) + ".svg")).string());
     write_svg(comm, files.back(), *drawn);
   }
   return files;

@@ -150,7 +150,7 @@ time: {{method: quasistatic, step: 0.1, end: 0.4}}
         (reference,) = re.findall(r"(?m)^the reference: (\S+)$", done.stdout)
         for row in rows:
             self.assertAlmostEqual(float(row["error"]), abs(float(row["value"]) - float(reference)), delta=1e-7 * float(reference))
-        self.check_pictures("error_last_elastic_energy_.svg")
+        self.check_pictures("error_last_elastic_energy.svg")
         done = self.call("converge", INPUTS / "stretched_cube.yaml", "--in", "space", "--result", "last(elastic_enrgy)")
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
         self.assertIn("the history has no column 'elastic_enrgy' (did you mean 'elastic_energy'?)", done.stderr)
