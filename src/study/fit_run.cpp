@@ -161,6 +161,9 @@ class FitRuns {
       outcome = fmt::format("rms residual {:.4g}", rms(curves));
     } catch (const SolveError& error) {
       outcome = fmt::format("the run fails: {}", error.what());
+    } catch (const InputError& error) {
+      if (known_.empty()) throw;
+      outcome = fmt::format("the input does not take these values: {}", error.what());
     }
     std::string line = fmt::format("run {}:", known_.size() + 1);
     for (std::size_t j = 0; j < values.size(); ++j)

@@ -48,18 +48,17 @@ bool is_held(const LeastSquaresProblem& problem, std::span<const double> x, std:
 }
 
 /// The largest cosine of the angle between the residual and a column that can move; 0 if the residual, or the change of
-/// the parameters that it asks for, is as small as rounding errors.
+/// the parameters that it asks for, is as small as errors of the evaluation make it.
 double orthogonality(const LeastSquaresProblem& problem, std::span<const double> x) {
   const Linearised at(problem, x);
   if (!is_finite(at.r) || !is_finite(at.J)) return nan;
-  const double size = length(at.r);
+  const double size = length(at.r), noise = 100.0 * problem.error_of_evaluation;
   double largest = 0.0;
   for (std::size_t j = 0; j < at.num_columns() && size > problem.error_of_evaluation; ++j) {
     const auto column = at.column(j);
     const double gradient = std::inner_product(column.begin(), column.end(), at.r.begin(), 0.0);
-    constexpr double rounding = 1e-11;
     const double squares = length(column) * length(column);
-    const bool moves = std::abs(gradient) > rounding * std::max(1.0, std::abs(x[j])) * squares;
+    const bool moves = std::abs(gradient) > noise * std::max(1.0, std::abs(x[j])) * squares;
     if (squares > 0.0 && moves && !is_held(problem, x, j, gradient)) {
       largest = std::max(largest, std::abs(gradient) / (length(column) * size));
     }
@@ -160,7 +159,7 @@ class TaoProblem {
     std::vector<double> at = unscaled(x);
     if (!last_ || at != last_x_) {
       last_.emplace(problem_, at);
-      constexpr double progress = 1e-9;  // relative
+      constexpr double progress = 1e-6;  // relative
       const double size = length(last_->r);
       num_without_progress_ = size < (1.0 - progress) * shortest_ ? 0 : num_without_progress_ + 1;
       shortest_ = std::min(shortest_, size);
@@ -195,7 +194,7 @@ class TaoProblem {
   static PetscErrorCode convergence_callback(Tao tao, void* context) {
     auto& self = *static_cast<TaoProblem*>(context);
     return self.guard_.run([&] {
-      constexpr int most_without_progress = 30;
+      constexpr int most_without_progress = 15;
       check(TaoDefaultConvergenceTest(tao, nullptr));
       TaoConvergedReason reason{};
       check(TaoGetConvergedReason(tao, &reason));

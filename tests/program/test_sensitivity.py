@@ -302,6 +302,18 @@ class Fits(Motion):
         self.write("tip.csv", "time,tip_z [mm]\n0.5,19\n1.5,18\n")
         self.assertIn("`time` is the load factor, from 0 to 1", self.fit(status=2).stderr)
 
+    def test_values_that_the_input_does_not_take_count_as_far_away(self):
+        # The first step of Newton's method goes to the upper bound, where displacements alone represent nothing.
+        write_box(self.directory / "finger.msh", (4, 1, 1), (0.1, 0.02, 0.02))
+        text = FINGER.replace("method: dirk22, step: 10 ms, end: 0.3 s", "method: static, load_steps: 4")
+        text = text.replace("poissons_ratio: 0.4", "poissons_ratio: 0.49")
+        h = self.run_input(self.write("bent.yaml", text))
+        self.write("tip.csv", "time,tip_z [mm]\n" + "".join(f"{t!r},{1e3 * z!r}\n" for t, z in zip(h["time"].tolist(), h["tip_z"].tolist())))
+        self.write("guess.yaml", text.replace("poissons_ratio: 0.49", "poissons_ratio: 0.45"))
+        done = self.fit(FIT.replace("youngs_modulus: [0.1 MPa, 2 MPa], bodies.0.viscosity.shear: [0, 2000]", "poissons_ratio: [0.4, 0.5]"))
+        self.assertIn("the input does not take these values: guess.yaml:5", done.stdout)
+        self.assertAlmostEqual(float(self.fitted()["bodies.0.elasticity.poissons_ratio"]["value"]), 0.49, delta=1e-7)
+
     def test_numbers_that_made_the_motion(self):
         self.measure()
         done = self.fit(ranks=2 if LONG else 1)
