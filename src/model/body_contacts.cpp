@@ -117,6 +117,7 @@ void BodyContacts::add(const TouchingSurfaces& touching, const std::vector<doubl
   if (laws.is_penalty()) {
     penalty.depth = depth;
     penalty.is_mirror = touching.set_is_mirror;
+    penalty.limits_steps = &limits_steps_;
     for (const auto& [first, second] : touching.set_is_on_side) penalty.has_points.push_back(first || second ? 1 : 0);
     require_two_bodies(pair, may_meet, body_names_.size());
   }

@@ -59,6 +59,8 @@ class BodyContacts {
   std::vector<AtNode> at_nodes(std::span<const double> q, std::span<const double> v) const;
   /// Says which bodies a step takes too deeply into each other for a penalty to part them. Collective.
   std::optional<std::string> passage(std::span<const double> q_from, std::span<const double> q_to) const;
+  /// Contacts::limit_steps.
+  void limit_steps(bool is_limited) { limits_steps_ = is_limited; }
   /// Says what crosses a barrier, or touches, and where; nothing if nothing does. Collective.
   std::optional<std::string> crossing(std::span<const double> q) const;
   /// Throws InputError if surfaces cross or touch: an OverlapError with what does, the same on any number of ranks.
@@ -85,6 +87,7 @@ class BodyContacts {
   std::vector<char> nodes_of_first_side(const TouchingSurfaces& touching) const;
 
   const ContactConfig& config_;
+  bool limits_steps_ = false;
   const NodeLayout& layout_;
   const std::vector<std::string>& body_names_;
   std::vector<std::shared_ptr<Part>> parts_;

@@ -338,6 +338,10 @@ Closeness Contacts::closeness(const Instant& at, std::span<const double> q) cons
   return {minimum(layout_.comm, result.gap), sum(layout_.comm, result.num_points)};
 }
 
+void Contacts::limit_steps(bool is_limited) const {
+  if (between_) between_->limit_steps(is_limited);
+}
+
 std::optional<std::string> Contacts::passage(const Instant& from, std::span<const double> q_from, const Instant& to,
                                              std::span<const double> q_to) const {
   struct Candidate {

@@ -59,6 +59,9 @@ class Contacts {
   /// A message if a body passes through an obstacle between two states. Collective.
   std::optional<std::string> passage(const Instant& from, std::span<const double> q_from, const Instant& to,
                                      std::span<const double> q_to) const;
+  /// Whether steps of a solver stop where a penalty between bodies would be pressed in too deeply. This takes more of
+  /// them where they would come back by themselves; so it is for what has failed without. Nothing else changes.
+  void limit_steps(bool is_limited) const;
 
   bool has_barrier() const { return config_.has_barrier(); }
 

@@ -1,5 +1,6 @@
 #include "model/rigid_bodies.hpp"
 
+#include "fem/cell_integration.hpp"
 #include "input/elasticity.hpp"
 #include "material/spectral.hpp"
 #include "mesh/rod_chain.hpp"
@@ -218,9 +219,11 @@ RigidMass mass_of_rigid_body(const Config& config, const NodeLayout& layout, con
     const auto nodes = layout.nodes_of_cell(c);
     for (const PetscInt n : nodes) is_of_body[static_cast<std::size_t>(n)] = 1;
     if (c >= layout.num_owned_cells) continue;
-    std::array<Vector3<double>, 4> x;
-    for (std::size_t k = 0; k < 4; ++k) x[k] = layout.position(nodes[k]);
-    add(of_volume, dot(x[1] - x[0], cross(x[2] - x[0], x[3] - x[0])) / 6.0, 0.25 * (x[0] + x[1] + x[2] + x[3]));
+    for_each_point_of_cell(layout, c, [&](const IntegrationPoint& point) {
+      Vector3<double> place{};
+      for (std::size_t a = 0; a < nodes.size(); ++a) place = place + point.shape[a] * layout.position(nodes[a]);
+      add(of_volume, point.weight, place);
+    });
   }
   for (const ModelShell& shell : shells.shells) {
     const std::vector<double> masses = lumped_masses_of_layer(layout, shell.facets, shell.mass_per_area);

@@ -32,7 +32,7 @@ struct RigidMass {
   double mass = 0.0;
   Vector3<double> center{};
 };
-/// That of a rigid body of the completed input, with a mesh, whose cells count as straight, or without; with the layers
+/// That of a rigid body of the completed input, with a mesh or without; with the layers
 /// on facets all of whose nodes are its own. Collective.
 RigidMass mass_of_rigid_body(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,
                              const ModelShells& shells, int body);

@@ -135,6 +135,7 @@ void Simulation::keep(Archive& archive) {
     archive.number("longest", steps_.longest);
   });
   if (!archive.restores()) return;
+  limit_steps(false);
   turns_.forget();
   moved_in_all_ = grown_ = last_growth_ = 0.0;
   take_state(advance_->state().q, advance_->state().v);
@@ -356,6 +357,7 @@ std::optional<std::string> Simulation::impossibility(const StepAttempt& attempt,
 
 StepOutcome Simulation::reject(const StepAttempt& attempt, const Step& step) {
   ++steps_.failed;
+  limit_steps(true);
   if (attempt.report.outcome == StageOutcome::fatal) return {StepOutcome::Kind::failed, attempt.report.reason, step};
   try {
     if (analysis_ != Analysis::static_equilibrium) model_.require_finite(attempt.time);
@@ -381,7 +383,12 @@ std::string Simulation::limit_in_sight() const {
       last_growth_ * grown_ / moved_in_all_);
 }
 
+void Simulation::limit_steps(bool is_limited) {
+  if (model_.contacts() != nullptr) model_.contacts()->limit_steps(is_limited);
+}
+
 void Simulation::accept(const StepAttempt& attempt, const Step& step) {
+  limit_steps(false);
   if (books_ == Books::kept) ledger_->book(attempt);
   take_state(attempt.q, attempt.v);
   // A step along a path may end elsewhere.

@@ -161,6 +161,8 @@ class Simulation {
   bool extrapolates_impact(const Step& step, bool touches);
   /// A message if a converged attempt takes a body through an obstacle.
   std::optional<std::string> passage(const StepAttempt& attempt);
+  /// Contacts::limit_steps, for the steps that follow one that failed.
+  void limit_steps(bool is_limited);
 
   Analysis analysis_;
   Books books_;

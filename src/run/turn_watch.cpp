@@ -44,8 +44,10 @@ std::optional<std::string> TurnWatch::too_far(double from, double to) const {
   for (const Rotation& rotation : rotations_) {
     const double angle = angle_at(rotation, to - within) - angle_at(rotation, from + within);
     if (!(std::abs(angle) >= half_turn) || jump(rotation, from + within, to - within)) continue;
-    return fmt::format("{} turns by {:.4g} rad, and a step can follow less than half a turn; take {}", rotation.name,
-                       angle, static_time_ ? "more 'time.load_steps'" : "a shorter 'time.step'");
+    return fmt::format(
+        "{} turns by {:.4g} rad, and a step can follow less than half a turn; if degrees are meant, write "
+        "them with 'deg'; or take {}",
+        rotation.name, angle, static_time_ ? "more 'time.load_steps'" : "a shorter 'time.step'");
   }
   return std::nullopt;
 }

@@ -19,6 +19,11 @@ constexpr int trouble_of_failure = 2, trouble_before_snap = 4;
 constexpr int times_to_snap = 20;
 /// Weights that hold the solutions of a descent, as fractions of the Hessian's mean diagonal.
 constexpr double first_weight = 1e-3, least_weight = 1e-9, largest_weight = 1e6;
+/// By which factor weights fall that hold bodies until friction does; of how far they have come since the guess, what
+/// counts as no motion; and how often in a row they may go on as if nothing but the weight held them.
+constexpr double softer = 0.1, nearly_at_rest = 1e-2;
+constexpr int most_slides = 2;
+constexpr const char* slide = "bodies slide on that only friction could hold";
 /// Such a solution may leave this fraction of the previous residual,
 constexpr double part_left = 0.1;
 /// and takes at most this many iterations; if it takes half as many or more, the weight stays.
@@ -119,13 +124,43 @@ StageReport EquilibriumSearch::seek(Vec q, Vec second_guess, int max_iterations)
 
 StageReport EquilibriumSearch::hold_softly(Vec q, int max_iterations) {
   StageEquation& equation = objective_.equation();
-  objective_.proximal().hold(q, num_local_displacements(equation, q), first_weight * iteration_.stiffness(q));
+  Proximal& proximal = objective_.proximal();
+  const double mean = iteration_.stiffness(q);
+  const PetscInt number = num_local_displacements(equation, q);
+  const Handle<Vec> centre = equation.make_vector(), way = equation.make_vector(), step = equation.make_vector();
+  check(VecCopy(q, centre.get()));
+  StageReport total;
+  int num_slides = 0;
+  double last = 0.0;
+  for (double part = first_weight; part >= least_weight; part *= softer) {
+    check(VecCopy(q, step.get()));
+    proximal.hold(centre.get(), number, part * mean);
+    iteration_.renew_factor();
+    iteration_.begin(q, objective_.usual_aim());
+    const StageReport report = iteration_.run(q, max_iterations);
+    total = {report.outcome,
+             {},
+             total.newton_iterations + report.newton_iterations,
+             total.linear_iterations + report.linear_iterations};
+    if (report.outcome == StageOutcome::retry && num_slides > 0) total.reason = slide;
+    if (report.outcome != StageOutcome::converged) break;
+    equation.freeze(q);
+    check(VecAYPX(step.get(), -1.0, q));
+    check(VecWAXPY(way.get(), -1.0, centre.get(), q));
+    const double length = norm(step.get());
+    if (part < first_weight && length <= nearly_at_rest * norm(way.get())) break;
+    // What nothing holds goes on in inverse proportion to the weight.
+    num_slides = last > 0.0 && length > 0.5 / softer * last ? num_slides + 1 : 0;
+    last = length;
+    if (num_slides == most_slides) {
+      total.outcome = StageOutcome::retry;
+      total.reason = slide;
+      break;
+    }
+  }
+  proximal.release();
   iteration_.renew_factor();
-  iteration_.begin(q, objective_.usual_aim());
-  StageReport report = iteration_.run(q, max_iterations);
-  objective_.proximal().release();
-  iteration_.renew_factor();
-  return report;
+  return total;
 }
 
 StageReport EquilibriumSearch::descend(Vec q, int max_iterations) {

@@ -73,7 +73,9 @@ StageReport NewtonSolver::solve_for_unknowns(const StagePoint& stage, Vec q, Gue
   if (!guess.failure) {
     loop_.use_guess(q, guess.measure);
     const Handle<Vec> start = objective_.is_static() ? copy_of(q) : Handle<Vec>();
-    report = iterate(q);
+    // What only friction holds has no equilibrium without it: not many iterations are spent on that again.
+    constexpr int few = 16;
+    report = iterate(q, needs_drag_ ? std::min(few, options_.max_iterations) : options_.max_iterations);
     const bool is_over = report.outcome != StageOutcome::retry || equation_.is_far_from_guess(q);
     if (start && !is_over) report = iterate_with_drag(q, start.get(), report);
     coefficients_.settle(q, report);
@@ -88,14 +90,15 @@ StageReport NewtonSolver::solve_for_unknowns(const StagePoint& stage, Vec q, Gue
   return report;
 }
 
-StageReport NewtonSolver::iterate(Vec q) {
-  if (may_follow()) return equilibria_.seek(q, guesses_.second(), options_.max_iterations);
+StageReport NewtonSolver::iterate(Vec q, int max_iterations) {
+  if (may_follow()) return equilibria_.seek(q, guesses_.second(), max_iterations);
   if (objective_.is_minimised()) return loop_.run(q);
-  return roots_.seek(q, options_.max_iterations);
+  return roots_.seek(q, max_iterations);
 }
 
 StageReport NewtonSolver::iterate_with_drag(Vec q, Vec guess, const StageReport& failed) {
   if (!equation_.refreeze(guess)) return failed;
+  needs_drag_ = true;
   check(VecCopy(guess, q));
   StageReport report = equilibria_.hold_softly(q, options_.max_iterations);
   const auto add = [&](const StageReport& other) {
@@ -103,12 +106,17 @@ StageReport NewtonSolver::iterate_with_drag(Vec q, Vec guess, const StageReport&
     report.linear_iterations += other.linear_iterations;
   };
   if (report.outcome == StageOutcome::converged) {
-    equation_.freeze(q);
-    check(VecCopy(guess, q));
-    const StageReport held = std::exchange(report, iterate(q));
+    const StageReport held = std::exchange(report, iterate(q, options_.max_iterations));
     add(held);
-  } else if (report.outcome == StageOutcome::retry) {
+  } else if (report.outcome == StageOutcome::retry && report.reason.empty()) {
     report.reason = failed.reason;
+    const int left = options_.max_iterations - failed.newton_iterations;
+    if (left > 0) {
+      check(VecCopy(guess, q));
+      equation_.freeze(q);
+      const StageReport held = std::exchange(report, iterate(q, left));
+      add(held);
+    }
   }
   add(failed);
   return report;
@@ -119,6 +127,7 @@ void NewtonSolver::forget() {
   guesses_.forget();
   equilibria_.forget();
   roots_.forget();
+  needs_drag_ = false;
 }
 
 std::optional<FailedStage> NewtonSolver::examine() {

@@ -78,7 +78,7 @@ class NewtonSolver {
   enum class Guess { best, given };
   StageReport solve_for_unknowns(const StagePoint& stage, Vec q, Guess which);
   /// Runs Newton's iteration, several times if necessary.
-  StageReport iterate(Vec q);
+  StageReport iterate(Vec q, int max_iterations);
   /// Once more from the guess after a failure without inertia, with the drag of a state that is held softly near it;
   /// where no terms refreeze, what failed.
   StageReport iterate_with_drag(Vec q, Vec guess, const StageReport& failed);
@@ -97,6 +97,7 @@ class NewtonSolver {
   CoefficientSearch coefficients_;
   TangentSystem tangent_;
   std::optional<Failure> failure_;
+  bool needs_drag_ = false;  // an earlier stage failed, or was found, with the drag of a state that is held softly
 };
 
 }  // namespace pliant

@@ -17,6 +17,27 @@ class RigidBodies(ProgramTest):
             for message in messages:
                 self.assertIn(message, done.stderr)
 
+    def test_a_force_on_a_body_with_curved_sides_acts_at_its_center(self):
+        self.write("half.geo", """SetFactory("OpenCASCADE");
+Cylinder(1) = {0, 0, 0, 0, 0, 0.05, 0.02, Pi};
+Physical Volume("half") = {1};
+Mesh.MeshSizeMax = 0.02;
+Mesh.ElementOrder = 2;
+""")
+        file = self.write("half.yaml", """
+mesh: {file: half.geo}
+bodies: [{volume: half, density: 7800, rigid: true}]
+element: P2
+loads: [{force: [10, 0, 0], volume: half}]
+time: {method: dirk33, step: 1 ms, end: 10 ms}
+""")
+        h = self.run_input(file)
+        mass = 7800 * 0.5 * np.pi * 0.02**2 * 0.05
+        self.assertAlmostEqual(h["half_y"][0], 4 * 0.02 / (3 * np.pi), delta=1e-4 * 0.02)
+        self.assertAlmostEqual(h["half_vx"][-1] * mass / 0.1, 1, delta=1e-3)
+        self.assertLess(abs(h["half_wz"][-1]), 1e-6)
+        self.assertRegex(self.call("check", file).stdout, f"half: .* mass {mass:.3f}")
+
     def test_shapes_do_not_change_masses(self):
         # The mass, its centre and the moments of inertia are those that are given, whatever the shape is.
         write_cube(self.directory / "cube.stl", (0, 0, 0), (100, 100, 50))

@@ -277,6 +277,8 @@ std::vector<double> TouchingBodies::pressures(const NearPatches& near, std::span
 }
 
 double TouchingBodies::max_step(const NearPatches& near, std::span<const double> q, std::span<const double> d) const {
+  if (is_penalty() && (penalty_.limits_steps == nullptr || !*penalty_.limits_steps))
+    return std::numeric_limits<double>::infinity();
   const Positions at = positions(near, q, d);
   if (is_penalty()) return max_step_of_penalty(near, at);
   const CollisionSurface& surface = surfaces_->surface();

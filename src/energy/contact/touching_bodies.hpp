@@ -48,6 +48,7 @@ struct PenaltyParts {
   std::vector<char> has_points;  ///< of each set, whether its points feel others; empty: all do
   std::vector<char> is_mirror;  ///< of each set, whether it is on a plane of symmetry, where nothing is pushed out, but
                                 ///< the surface does not end either; empty: none is
+  const bool* limits_steps = nullptr;  ///< whether max_step() stops at a depth, at the time of a call; nullptr: never
 };
 
 /// The gap of surfaces that may touch.
@@ -105,7 +106,7 @@ class TouchingBodies final : public PairCoupling {
 
   /// Short of the first contact of a vertex with a triangle or of two edges on the way from q to q + d, by conservative
   /// advancement; as a fraction of d, +infinity if there is none. With a penalty, when a point is half as deep in
-  /// another body as the penalty pushes.
+  /// another body as the penalty pushes, if it limits steps.
   double max_step(const NearPatches& near, std::span<const double> q, std::span<const double> d) const;
 
   /// The gap of what is nearer than `distance` [m], at least the reach; places of one body count if they have come to
@@ -154,7 +155,9 @@ class TouchingBodies final : public PairCoupling {
   /// Points and triangles of different bodies that are near each other, for a penalty: of all that the rank knows.
   Candidates known_candidates(const NearPatches& near, const Positions& at, double distance) const;
   /// The fraction of the displacements at which a point is too deep in another body; +infinity if none comes there.
-  double max_step_of_penalty(const NearPatches& near, const Positions& at) const;
+  double max_step_of_penalty(const NearPatches& near, Positions at) const;
+  /// Likewise, on a short way; 1 if none comes there.
+  double step_to_depth(const NearPatches& near, const Positions& at) const;
   /// visit(point, gap) of each point that this rank counts and what is nearest to it in another body, within a distance
   /// [m], for a penalty.
   template <class Visit>

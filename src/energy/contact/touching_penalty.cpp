@@ -12,6 +12,10 @@ namespace {
 /// How deep a step may take a point, as a part of the depth to which the penalty pushes; how far one that is deeper
 /// already may go on.
 constexpr double deep_enough = 0.5, little = 0.05;
+/// Long ways are taken piece by piece, since boxes around them overlap nearly everything: the length of a piece in
+/// these depths, and the most of them.
+constexpr double depths_of_piece = 8.0;
+constexpr int most_pieces = 32;
 
 }  // namespace
 
@@ -51,12 +55,24 @@ TouchingBodies::Candidates TouchingBodies::known_candidates(const NearPatches& n
   return found;
 }
 
-double TouchingBodies::max_step_of_penalty(const NearPatches& near, const Positions& at) const {
-  const CollisionSurface& surface = surfaces_->surface();
-  const double depth = deep_enough * penalty_.depth;
+double TouchingBodies::max_step_of_penalty(const NearPatches& near, Positions at) const {
   double farthest = 0.0;
   for (const std::int32_t v : features(near).placed) farthest = std::max(farthest, norm(at.dx[v]));
   if (2.0 * farthest <= little * penalty_.depth) return std::numeric_limits<double>::infinity();
+  const double size = std::min(1.0, depths_of_piece * penalty_.depth / farthest);
+  for (const std::int32_t v : features(near).vertices) at.dx[v] = size * at.dx[v];
+  double from = 0.0;
+  for (int piece = 0; piece < most_pieces && from < 1.0; ++piece, from += size) {
+    const double bound = step_to_depth(near, at);
+    if (bound < 1.0) return std::min(1.0, from + bound * size);
+    for (const std::int32_t v : features(near).vertices) at.x[v] = at.x[v] + at.dx[v];
+  }
+  return from < 1.0 ? from : std::numeric_limits<double>::infinity();
+}
+
+double TouchingBodies::step_to_depth(const NearPatches& near, const Positions& at) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  const double depth = deep_enough * penalty_.depth;
   const Candidates found = candidates(near, at, std::max(laws_.reach(), range()));
   // On other ranks something nearer may be unknown.
   const auto is_counted = [&](std::int32_t point) {
@@ -88,7 +104,7 @@ double TouchingBodies::max_step_of_penalty(const NearPatches& near, const Positi
     const double threshold = laws_.of(surface.vertices()[point.nodes[0]].body, triangle.body).threshold;
     bound = std::min(bound, max_step_into_triangle(x, dx, threshold, depth));
   }
-  return bound < 1.0 ? bound : std::numeric_limits<double>::infinity();
+  return bound;
 }
 
 }  // namespace pliant
