@@ -336,7 +336,9 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
       touching.facets.is_outer.push_back(1);
       const int body = cell ? body_of_cell[*cell] : 0;
       touching.sides.push_back({body, 0, thin.thickness_of(body)});
-      touching.is_on_first_side.push_back((membership[facet] >> first_side & 1) != 0);
+      const auto is_in = [mask = membership[facet]](auto side) { return (mask >> side & 1) != 0; };
+      const bool is_of_first_alone = is_in(rest_of_first) && !is_in(second_side) && !is_in(rest_of_second);
+      touching.is_on_first_side.push_back(is_in(first_side) || is_of_first_alone);
       masks.push_back(membership[facet]);
     }
     if (touching.law == NormalKind::penalty) require_solids(config, touching, bodies, selections);

@@ -37,7 +37,8 @@ struct TouchingSurfaces {
   std::vector<std::array<bool, 2>> set_is_on_side;  ///< of each set: it is of `surface`, of `with` of the entry; of
                                                     ///< neither is the rest of a body in contact by a penalty
   std::vector<char> set_is_mirror;                  ///< of each set: mark_planes_of_symmetry; empty: none is
-  std::vector<char> is_on_first_side;               ///< of each facet: it belongs to `surface` of the entry
+  std::vector<char> is_on_first_side;               ///< of each facet: it belongs to `surface` of the entry, or to the
+                                                    ///< rest of its body if that is not the body of `with`
   std::vector<PetscInt> nodes_left_out;             ///< a local node of each outer facet that takes no part
   NormalKind law = NormalKind::barrier;
   const ContactPairConfig* config = nullptr;  ///< nullptr: `all`

@@ -20,10 +20,10 @@ constexpr int times_to_snap = 20;
 /// Weights that hold the solutions of a descent, as fractions of the Hessian's mean diagonal.
 constexpr double first_weight = 1e-3, least_weight = 1e-9, largest_weight = 1e6;
 /// By which factor weights fall that hold bodies until friction does; of how far they have come since the guess, what
-/// counts as no motion; and how often in a row they may go on as if nothing but the weight held them.
+/// counts as no motion; and how often in a row they may continue as if nothing but the weight held them.
 constexpr double softer = 0.1, nearly_at_rest = 1e-2;
 constexpr int most_slides = 2;
-constexpr const char* slide = "bodies slide on that only friction could hold";
+constexpr const char* slide = "bodies that only friction could hold slide away";
 /// Such a solution may leave this fraction of the previous residual,
 constexpr double part_left = 0.1;
 /// and takes at most this many iterations; if it takes half as many or more, the weight stays.
@@ -149,7 +149,7 @@ StageReport EquilibriumSearch::hold_softly(Vec q, int max_iterations) {
     check(VecWAXPY(way.get(), -1.0, centre.get(), q));
     const double length = norm(step.get());
     if (part < first_weight && length <= nearly_at_rest * norm(way.get())) break;
-    // What nothing holds goes on in inverse proportion to the weight.
+    // What nothing holds moves in inverse proportion to the weight.
     num_slides = last > 0.0 && length > 0.5 / softer * last ? num_slides + 1 : 0;
     last = length;
     if (num_slides == most_slides) {

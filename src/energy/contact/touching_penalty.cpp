@@ -10,7 +10,7 @@ namespace pliant {
 namespace {
 
 /// How deep a step may take a point, as a part of the depth to which the penalty pushes; how far one that is deeper
-/// already may go on.
+/// already may still go.
 constexpr double deep_enough = 0.5, little = 0.05;
 /// Long ways are taken piece by piece, since boxes around them overlap nearly everything: the length of a piece in
 /// these depths, and the most of them.
