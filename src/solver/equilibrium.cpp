@@ -23,7 +23,6 @@ constexpr double first_weight = 1e-3, least_weight = 1e-9, largest_weight = 1e6;
 /// counts as no motion; and how often in a row they may continue as if nothing but the weight held them.
 constexpr double softer = 0.1, nearly_at_rest = 1e-2;
 constexpr int most_slides = 2;
-constexpr const char* slide = "bodies that only friction could hold slide away";
 /// Such a solution may leave this fraction of the previous residual,
 constexpr double part_left = 0.1;
 /// and takes at most this many iterations; if it takes half as many or more, the weight stays.
@@ -142,7 +141,6 @@ StageReport EquilibriumSearch::hold_softly(Vec q, int max_iterations) {
              {},
              total.newton_iterations + report.newton_iterations,
              total.linear_iterations + report.linear_iterations};
-    if (report.outcome == StageOutcome::retry && num_slides > 0) total.reason = slide;
     if (report.outcome != StageOutcome::converged) break;
     equation.freeze(q);
     check(VecAYPX(step.get(), -1.0, q));
@@ -154,7 +152,7 @@ StageReport EquilibriumSearch::hold_softly(Vec q, int max_iterations) {
     last = length;
     if (num_slides == most_slides) {
       total.outcome = StageOutcome::retry;
-      total.reason = slide;
+      total.reason = "nothing holds the bodies against the loads, not even friction";
       break;
     }
   }

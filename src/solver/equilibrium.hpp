@@ -32,7 +32,7 @@ class EquilibriumSearch {
   StageReport seek(Vec q, Vec second_guess, int max_iterations);
   /// Takes q to equilibria under forces that hold the displacements near q, ever more softly, and freezes coefficients
   /// at each. Bodies that only friction holds need the pressure there: at a guess where nothing presses there is no
-  /// friction. A failure has a reason only if they slide away.
+  /// friction. A failure has a reason only if nothing holds them.
   StageReport hold_softly(Vec q, int max_iterations);
   /// The aim for which the stage's guess is chosen; the previous equilibrium may not have been a minimum.
   Aim first_aim() const { return prefers_following_ ? Aim::any_equilibrium : objective_.usual_aim(); }

@@ -98,7 +98,7 @@ StageReport NewtonSolver::iterate(Vec q, int max_iterations) {
 
 StageReport NewtonSolver::iterate_with_drag(Vec q, Vec guess, const StageReport& failed) {
   if (!equation_.refreeze(guess)) return failed;
-  needs_drag_ = true;
+  const bool was_cut_short = std::exchange(needs_drag_, true);
   check(VecCopy(guess, q));
   StageReport report = equilibria_.hold_softly(q, options_.max_iterations);
   const auto add = [&](const StageReport& other) {
@@ -110,11 +110,10 @@ StageReport NewtonSolver::iterate_with_drag(Vec q, Vec guess, const StageReport&
     add(held);
   } else if (report.outcome == StageOutcome::retry && report.reason.empty()) {
     report.reason = failed.reason;
-    const int left = options_.max_iterations - failed.newton_iterations;
-    if (left > 0) {
+    if (was_cut_short) {
       check(VecCopy(guess, q));
       equation_.freeze(q);
-      const StageReport held = std::exchange(report, iterate(q, left));
+      const StageReport held = std::exchange(report, iterate(q, options_.max_iterations));
       add(held);
     }
   }

@@ -97,7 +97,7 @@ class NewtonSolver {
   CoefficientSearch coefficients_;
   TangentSystem tangent_;
   std::optional<Failure> failure_;
-  bool needs_drag_ = false;  // an earlier stage failed, or was found, with the drag of a state that is held softly
+  bool needs_drag_ = false;  // an earlier stage was found with the drag of a state that is held softly, or not at all
 };
 
 }  // namespace pliant
