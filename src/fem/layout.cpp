@@ -3,7 +3,6 @@
 #include "base/error.hpp"
 #include "base/vector3.hpp"
 #include "fem/element.hpp"
-#include "mesh/tetrahedron.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/plex.hpp"
@@ -37,28 +36,23 @@ std::vector<double> vertex_coordinates(DM dm, PointRange vertices) {
 /// The DMPlex points that carry a cell's nodes: four vertices, positively oriented, and for order 2 its six edges.
 class CellClosure {
  public:
-  CellClosure(DM dm, int order)
-      : dm_(dm),
+  CellClosure(const Mesh& mesh, int order)
+      : mesh_(mesh),
+        dm_(mesh.dm.get()),
         order_(order),
-        vertices_(stratum(dm, 0)),
-        edges_(stratum(dm, 1)),
-        x_(vertex_coordinates(dm, vertices_)) {}
+        vertices_(stratum(dm_, 0)),
+        edges_(stratum(dm_, 1)),
+        x_(vertex_coordinates(dm_, vertices_)) {}
 
   std::array<PetscInt, 10> operator()(PetscInt cell) const {
     std::array<PetscInt, 10> points;
     points.fill(-1);
-    std::array<PetscInt, 6> edge_points;
-    int num_vertices = 0, num_edges = 0;
-    for_each_in_closure(dm_, cell, [&](PetscInt p) {
-      if (vertices_.contains(p)) points[num_vertices++] = p;
-      if (edges_.contains(p)) edge_points[num_edges++] = p;
-    });
-    const tetrahedron::Corners corners{position(points[0]), position(points[1]), position(points[2]),
-                                       position(points[3])};
-    if (tetrahedron::volume(corners) < 0.0) std::swap(points[2], points[3]);
+    for (int i = 0; i < 4; ++i) points[i] = vertices_.begin + mesh_.corners[4 * cell + i];
     if (order_ == 2) {
+      const Closure closure(dm_, cell);
+      const auto edges = std::span(closure.begin(), closure.end()).subspan(5, 6);
       for (int e = 0; e < 6; ++e) {
-        points[4 + e] = joining_edge(dm_, edge_points, points[tet_edges[e][0]], points[tet_edges[e][1]]);
+        points[4 + e] = joining_edge(dm_, edges, points[tet_edges[e][0]], points[tet_edges[e][1]]);
       }
     }
     return points;
@@ -76,6 +70,7 @@ class CellClosure {
   PetscInt edge_begin() const { return edges_.begin; }
 
  private:
+  const Mesh& mesh_;
   DM dm_;
   int order_;
   PointRange vertices_, edges_;
@@ -259,7 +254,7 @@ NodeLayout make_layout(const Mesh& mesh, int order) {
   check(PetscObjectGetComm(reinterpret_cast<PetscObject>(dm), &layout.comm));
   layout.order = order;
   layout.nodes_per_cell = order == 1 ? 4 : 10;
-  const CellClosure closure(dm, order);
+  const CellClosure closure(mesh, order);
   const std::vector<char> is_ghost = ghost_points(dm);
   const std::vector<PetscInt> points_of_cells = choose_cells(dm, closure, is_ghost, layout);
   const std::vector<PetscInt> points = order_nodes(points_of_cells, is_ghost, layout);

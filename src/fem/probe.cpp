@@ -90,48 +90,54 @@ bool is_out(std::span<const char> is_left_out, PetscInt cell) {
   return !is_left_out.empty() && is_left_out[static_cast<std::size_t>(cell)] != 0;
 }
 
-/// The owned cells in a regular grid with about as many bins.
-class CellGrid {
+/// Points in a regular grid with about as many bins.
+class PointGrid {
  public:
-  CellGrid(const NodeLayout& layout, std::span<const char> is_left_out) {
+  explicit PointGrid(std::span<const Point> points) : points_(points) {
     constexpr double inf = std::numeric_limits<double>::infinity();
     bounds_ = {{inf, inf, inf}, {-inf, -inf, -inf}};
-    for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
-      if (is_out(is_left_out, c)) continue;
-      const Box box = box_of(layout, c);
+    for (const Point& X : points) {
       for (int i = 0; i < 3; ++i) {
-        bounds_.low[i] = std::min(bounds_.low[i], box.low[i]);
-        bounds_.high[i] = std::max(bounds_.high[i], box.high[i]);
+        bounds_.low[i] = std::min(bounds_.low[i], X[i]);
+        bounds_.high[i] = std::max(bounds_.high[i], X[i]);
       }
     }
-    per_side_ = std::max(1, static_cast<int>(std::cbrt(static_cast<double>(layout.num_owned_cells))));
+    per_side_ = std::max(1, static_cast<int>(std::cbrt(static_cast<double>(points.size()))));
     bins_.resize(static_cast<std::size_t>(per_side_) * per_side_ * per_side_);
-    for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
-      if (is_out(is_left_out, c)) continue;
-      const Box box = box_of(layout, c);
-      const auto first = bin(box.low), last = bin(box.high);
-      for (int i = first[0]; i <= last[0]; ++i) {
-        for (int j = first[1]; j <= last[1]; ++j) {
-          for (int k = first[2]; k <= last[2]; ++k) bins_[number({i, j, k})].push_back(c);
+    for (std::size_t p = 0; p < points.size(); ++p) bins_[number(bin(points[p]))].push_back(p);
+  }
+
+  /// Calls `visit(p)` for each point p in the box.
+  template <class Visit>
+  void in(const Box& box, Visit visit) const {
+    for (int i = 0; i < 3; ++i) {
+      if (!(box.low[i] <= bounds_.high[i] && box.high[i] >= bounds_.low[i])) return;
+    }
+    const auto first = bin(box.low), last = bin(box.high);
+    for (int i = first[0]; i <= last[0]; ++i) {
+      for (int j = first[1]; j <= last[1]; ++j) {
+        for (int k = first[2]; k <= last[2]; ++k) {
+          for (const std::size_t p : bins_[number({i, j, k})]) {
+            if (contains(box, points_[p])) visit(p);
+          }
         }
       }
     }
   }
 
-  /// Cells whose box contains X.
-  std::span<const PetscInt> near(const Point& X) const {
-    for (int i = 0; i < 3; ++i) {
-      if (!(X[i] >= bounds_.low[i] && X[i] <= bounds_.high[i])) return {};
-    }
-    return bins_[number(bin(X))];
-  }
-
  private:
+  static bool contains(const Box& box, const Point& X) {
+    for (int i = 0; i < 3; ++i) {
+      if (!(X[i] >= box.low[i] && X[i] <= box.high[i])) return false;
+    }
+    return true;
+  }
   std::array<int, 3> bin(const Point& X) const {
     std::array<int, 3> index{};
     for (int i = 0; i < 3; ++i) {
-      const double part = (X[i] - bounds_.low[i]) / (bounds_.high[i] - bounds_.low[i]);
-      index[i] = std::clamp(static_cast<int>(part * per_side_), 0, per_side_ - 1);
+      const double width = bounds_.high[i] - bounds_.low[i];
+      const double part = width > 0.0 ? std::clamp((X[i] - bounds_.low[i]) / width, 0.0, 1.0) : 0.0;
+      index[i] = std::min(static_cast<int>(part * per_side_), per_side_ - 1);
     }
     return index;
   }
@@ -139,32 +145,35 @@ class CellGrid {
     return (static_cast<std::size_t>(index[0]) * per_side_ + index[1]) * per_side_ + index[2];
   }
 
+  std::span<const Point> points_;
   Box bounds_;
   int per_side_ = 1;
-  std::vector<std::vector<PetscInt>> bins_;
+  std::vector<std::vector<std::size_t>> bins_;
 };
 
 constexpr double not_here = std::numeric_limits<double>::infinity();
 
-/// The location in the owned cell that contains X; without nodes if there is none.
+/// The locations in the owned cells that contain the points; without nodes where none does.
 template <int Order>
-ProbeLocation locate_in_cell(const NodeLayout& layout, const CellGrid& grid, const Point& X) {
-  ProbeLocation best;
-  best.distance = not_here;
-  double best_depth = -1e-9;
-  for (const PetscInt c : grid.near(X)) {
-    const auto nodes = layout.nodes_of_cell(c);
-    const CellMap<Order> map{layout, nodes};
-    const Point xi = map.inverse(X);
-    if (!(depth(xi) > best_depth)) continue;
-    best_depth = depth(xi);
-    const auto N = Tet<Order>::values(xi);
-    best.nodes.assign(nodes.begin(), nodes.end());
-    best.weights.assign(N.begin(), N.end());
-    best.cell = c;
-    best.distance = 0.0;
+std::vector<ProbeLocation> locate_in_cells(const NodeLayout& layout, std::span<const Point> points,
+                                           std::span<const char> is_left_out) {
+  std::vector<ProbeLocation> locations(points.size());
+  for (ProbeLocation& location : locations) location.distance = not_here;
+  std::vector<double> depths(points.size(), -1e-9);
+  const PointGrid grid(points);
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    if (is_out(is_left_out, c)) continue;
+    grid.in(box_of(layout, c), [&](std::size_t p) {
+      const auto nodes = layout.nodes_of_cell(c);
+      const CellMap<Order> map{layout, nodes};
+      const Point xi = map.inverse(points[p]);
+      if (!(depth(xi) > depths[p])) return;
+      depths[p] = depth(xi);
+      const auto N = Tet<Order>::values(xi);
+      locations[p] = {{nodes.begin(), nodes.end()}, {N.begin(), N.end()}, c, 0.0};
+    });
   }
-  return best;
+  return locations;
 }
 
 /// The location at the owned node nearest to X.
@@ -211,11 +220,8 @@ std::array<double, 3> ProbeLocation::interpolate(std::span<const double> local) 
 
 std::vector<ProbeLocation> locate(const NodeLayout& layout, std::span<const std::array<double, 3>> points,
                                   std::span<const char> is_left_out) {
-  const CellGrid grid(layout, is_left_out);
-  std::vector<ProbeLocation> locations;
-  for (const auto& X : points) {
-    locations.push_back(layout.order == 1 ? locate_in_cell<1>(layout, grid, X) : locate_in_cell<2>(layout, grid, X));
-  }
+  std::vector<ProbeLocation> locations = layout.order == 1 ? locate_in_cells<1>(layout, points, is_left_out)
+                                                           : locate_in_cells<2>(layout, points, is_left_out);
   std::vector<ProbeLocation*> all, outside;
   for (ProbeLocation& location : locations) all.push_back(&location);
   keep_nearest(layout.comm, all);

@@ -44,10 +44,10 @@ class FacetCollector {
     points.fill(-1);
     std::array<PetscInt, 3> edges{-1, -1, -1};
     int num_vertices = 0, num_edges = 0;
-    for_each_in_closure(dm_, facet, [&](PetscInt p) {
+    for (const PetscInt p : Closure(dm_, facet)) {
       if (vertices_.contains(p)) points[num_vertices++] = p;
       if (edges_.contains(p)) edges[num_edges++] = p;
-    });
+    }
     if (list_.nodes_per_facet == 6) {
       for (int e = 0; e < 3; ++e) {
         points[3 + e] = joining_edge(dm_, edges, points[triangle_edges[e][0]], points[triangle_edges[e][1]]);
@@ -89,10 +89,10 @@ class FacetCollector {
     };
     set_row(0, nodes[1]);
     set_row(1, nodes[2]);
-    for_each_in_closure(dm_, cell, [&](PetscInt p) {
+    for (const PetscInt p : Closure(dm_, cell)) {
       const bool is_of_facet = std::find(points.begin(), points.begin() + 3, p) != points.begin() + 3;
       if (vertices_.contains(p) && !is_of_facet) set_row(2, layout_.node_of_point[p]);
-    });
+    }
     return det(edges) > 0.0;
   }
 
@@ -112,10 +112,10 @@ bool everywhere(const std::array<double, 3>&) {
 std::vector<PetscInt> nodes_of_group(const Mesh& mesh, const NodeLayout& layout, const PhysicalGroup& group) {
   std::vector<PetscInt> nodes;
   for (const PetscInt p : points_of_group(mesh, group)) {
-    for_each_in_closure(mesh.dm.get(), p, [&](PetscInt q) {
+    for (const PetscInt q : Closure(mesh.dm.get(), p)) {
       const PetscInt n = layout.node_of_point[q];
       if (n >= 0 && n < layout.num_owned_nodes) nodes.push_back(n);
-    });
+    }
   }
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());

@@ -4,6 +4,7 @@
 #include "mesh/tetrahedron.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <new>
 #include <span>
@@ -67,13 +68,34 @@ void notice_parts(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_v
   }
 }
 
-}  // namespace
+using Pair = std::array<idx_t, 2>;  // of cells that have a facet in common
 
-DualGraph::DualGraph(const SerialMesh& mesh, CommonNodes common) : num_cells_(mesh.num_cells()) {
-  if (4 * mesh.num_cells() > static_cast<std::size_t>(std::numeric_limits<idx_t>::max())) {
-    throw MeshDefect("it has " + std::to_string(mesh.num_cells()) +
-                     " tetrahedra, more than METIS can partition: use a coarser mesh and `refine`");
+/// Facets are found at their lowest node, which few others have.
+std::vector<Pair> pairs_at_facets(const SerialMesh& mesh) {
+  constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> first(mesh.num_nodes(), none), next(4 * mesh.num_cells());
+  std::vector<std::array<PetscInt, 2>> others(next.size());  // the other nodes of facet i of cell c at 4 c + i
+  std::vector<Pair> pairs;
+  pairs.reserve(2 * mesh.num_cells());
+  for (std::size_t at = 0; at < next.size(); ++at) {
+    std::array<PetscInt, 3> nodes{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      nodes[k] = mesh.cells[at / 4 * 4 + static_cast<std::size_t>(local_facets[at % 4][k])];
+    }
+    std::ranges::sort(nodes);
+    others[at] = {nodes[1], nodes[2]};
+    std::size_t& head = first[static_cast<std::size_t>(nodes[0])];
+    for (std::size_t facet = head; facet != none; facet = next[facet]) {
+      if (others[facet] == others[at]) pairs.push_back({static_cast<idx_t>(facet / 4), static_cast<idx_t>(at / 4)});
+    }
+    next[at] = head;
+    head = at;
   }
+  return pairs;
+}
+
+/// Pairs of cells with so many common nodes.
+std::vector<Pair> pairs_by_metis(const SerialMesh& mesh, CommonNodes common) {
   auto num_elements = static_cast<idx_t>(mesh.num_cells());
   auto num_nodes = static_cast<idx_t>(mesh.num_nodes());
   std::vector<idx_t> offsets(mesh.num_cells() + 1);
@@ -85,8 +107,37 @@ DualGraph::DualGraph(const SerialMesh& mesh, CommonNodes common) : num_cells_(me
   require_success(METIS_MeshToDual(&num_elements, &num_nodes, offsets.data(), cells.data(), &num_common, &numbering,
                                    &xadj, &adjncy),
                   "METIS_MeshToDual");
-  offsets_.reset(xadj);
-  adjacency_.reset(adjncy);
+  std::vector<Pair> pairs;
+  for (idx_t c = 0; c < num_elements; ++c) {
+    for (idx_t i = xadj[c]; i < xadj[c + 1]; ++i) {
+      if (c < adjncy[i]) pairs.push_back({c, adjncy[i]});
+    }
+  }
+  METIS_Free(xadj);
+  METIS_Free(adjncy);
+  return pairs;
+}
+
+}  // namespace
+
+DualGraph::DualGraph(const SerialMesh& mesh, CommonNodes common)
+    : num_cells_(mesh.num_cells()), offsets_(mesh.num_cells() + 1, 0) {
+  if (4 * mesh.num_cells() > static_cast<std::size_t>(std::numeric_limits<idx_t>::max())) {
+    throw MeshDefect("it has " + std::to_string(mesh.num_cells()) +
+                     " tetrahedra, more than METIS can partition: use a coarser mesh and `refine`");
+  }
+  const std::vector<Pair> pairs =
+      common == CommonNodes::of_facets ? pairs_at_facets(mesh) : pairs_by_metis(mesh, common);
+  for (const Pair& pair : pairs) {
+    for (const idx_t cell : pair) ++offsets_[static_cast<std::size_t>(cell) + 1];
+  }
+  for (std::size_t c = 0; c < num_cells_; ++c) offsets_[c + 1] += offsets_[c];
+  adjacency_.resize(2 * pairs.size());
+  std::vector<idx_t> end(offsets_.begin(), offsets_.end() - 1);
+  for (const auto& [a, b] : pairs) {
+    adjacency_[static_cast<std::size_t>(end[static_cast<std::size_t>(a)]++)] = b;
+    adjacency_[static_cast<std::size_t>(end[static_cast<std::size_t>(b)]++)] = a;
+  }
 }
 
 std::size_t DualGraph::num_components() const {
@@ -109,7 +160,7 @@ std::vector<PetscInt> DualGraph::partition(int num_parts, long long& edge_cut) c
   options[METIS_OPTION_CONTIG] = num_components() == 1 ? 1 : 0;
   auto num_vertices = static_cast<idx_t>(num_cells_);
   idx_t num_constraints = 1, parts = num_parts, cut = 0;
-  require_success(METIS_PartGraphKway(&num_vertices, &num_constraints, offsets_.get(), adjacency_.get(), nullptr,
+  require_success(METIS_PartGraphKway(&num_vertices, &num_constraints, offsets_.data(), adjacency_.data(), nullptr,
                                       nullptr, nullptr, &parts, nullptr, nullptr, options.data(), &cut, part.data()),
                   "METIS_PartGraphKway");
   // With few cells METIS may leave a part empty: it gets a cell of the largest part.

@@ -4,7 +4,6 @@
 #include "mesh/report.hpp"
 #include "mesh/serial_mesh.hpp"
 
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -15,14 +14,14 @@ namespace pliant {
 /// What two neighbours have in common: as many nodes.
 enum class CommonNodes { of_facets = 3, of_edges = 2 };
 
-/// Cells as graph vertices, shared facets as edges, in compressed rows; made and freed by METIS.
+/// Cells as graph vertices, shared facets as edges, in compressed rows.
 class DualGraph {
  public:
   explicit DualGraph(const SerialMesh& mesh, CommonNodes common = CommonNodes::of_facets);
 
   std::size_t num_cells() const { return num_cells_; }
   std::span<const idx_t> neighbours(std::size_t cell) const {
-    return {adjacency_.get() + offsets_.get()[cell], adjacency_.get() + offsets_.get()[cell + 1]};
+    return {adjacency_.data() + offsets_[cell], adjacency_.data() + offsets_[cell + 1]};
   }
 
   /// The part of each cell: `num_parts` balanced parts, none empty, contiguous if the mesh is; deterministic. Counts
@@ -33,12 +32,9 @@ class DualGraph {
   std::size_t num_components() const;
 
  private:
-  struct Free {
-    void operator()(idx_t* x) const { METIS_Free(x); }
-  };
   std::size_t num_cells_ = 0;
-  std::unique_ptr<idx_t, Free> offsets_;
-  std::unique_ptr<idx_t, Free> adjacency_;
+  // METIS does not change them, although it takes them as if it did.
+  mutable std::vector<idx_t> offsets_, adjacency_;
 };
 
 /// What is not worth a notice.

@@ -31,52 +31,50 @@ std::vector<bool> owned_points(DM dm) {
   return owned;
 }
 
-/// Corners of any local point: the vertices of its closure and their positions.
+/// Corners of local points: the vertices of their closures and their positions.
 class Geometry {
  public:
-  explicit Geometry(DM dm) : dm_(dm), vertices_(stratum(dm, 0)), coordinates_(local_coordinates(dm)) {
-    check(DMGetCoordinateSection(dm, &section_));
+  explicit Geometry(const Mesh& mesh)
+      : mesh_(mesh),
+        dm_(mesh.dm.get()),
+        vertices_(stratum(dm_, 0)),
+        cells_(stratum(dm_, 3)),
+        coordinates_(local_coordinates(dm_)) {
+    check(DMGetCoordinateSection(dm_, &section_));
   }
-  std::vector<Point> corners(PetscInt point) const {
+  tetrahedron::Corners corners(PetscInt cell) const {
+    const PetscInt* vertices = &mesh_.corners[4 * static_cast<std::size_t>(cell - cells_.begin)];
+    const auto corner = [&](std::size_t i) { return position(vertices_.begin + vertices[i]); };
+    return {corner(0), corner(1), corner(2), corner(3)};
+  }
+  /// Length, area or volume.
+  double measure(PetscInt point) const {
+    if (cells_.contains(point)) return tetrahedron::volume(corners(point));
     std::vector<Point> x;
-    PetscInt count = 0;
-    PetscInt* closure = nullptr;
-    check(DMPlexGetTransitiveClosure(dm_, point, PETSC_TRUE, &count, &closure));
-    for (PetscInt i = 0; i < count; ++i) {
-      const PetscInt p = closure[2 * i];
-      if (p < vertices_.begin || p >= vertices_.end) continue;
-      PetscInt offset = 0;
-      check(PetscSectionGetOffset(section_, p, &offset));
-      x.push_back({coordinates_[offset], coordinates_[offset + 1], coordinates_[offset + 2]});
+    for (const PetscInt p : Closure(dm_, point)) {
+      if (vertices_.contains(p)) x.push_back(position(p));
     }
-    check(DMPlexRestoreTransitiveClosure(dm_, point, PETSC_TRUE, &count, &closure));
-    return x;
+    if (x.size() == 2) return norm(x[1] - x[0]);
+    return x.size() == 3 ? 0.5 * norm(cross(x[1] - x[0], x[2] - x[0])) : 0.0;
   }
 
  private:
+  Point position(PetscInt vertex) const {
+    PetscInt offset = 0;
+    check(PetscSectionGetOffset(section_, vertex, &offset));
+    return {coordinates_[offset], coordinates_[offset + 1], coordinates_[offset + 2]};
+  }
   static Vec local_coordinates(DM dm) {
     Vec v = nullptr;
     check(DMGetCoordinatesLocal(dm, &v));
     return v;
   }
+  const Mesh& mesh_;
   DM dm_;
-  PointRange vertices_;
+  PointRange vertices_, cells_;
   ConstArrayView coordinates_;
   PetscSection section_ = nullptr;
 };
-
-double measure_of(const std::vector<Point>& x) {
-  switch (x.size()) {
-    case 2:
-      return norm(x[1] - x[0]);
-    case 3:
-      return 0.5 * norm(cross(x[1] - x[0], x[2] - x[0]));
-    case 4:
-      return tetrahedron::volume({x[0], x[1], x[2], x[3]});
-    default:
-      return 0.0;
-  }
-}
 
 long long num_owned(const std::vector<bool>& owned, PointRange s) {
   long long n = 0;
@@ -129,25 +127,24 @@ std::vector<Meaning> meanings_of_cells(const MeshSource& source, const Mesh& mes
 }
 
 /// `meanings`: only tetrahedra count, but for the bounds; empty: all cells do.
-void measure_cells(MPI_Comm comm, DM dm, const std::vector<bool>& owned, const std::vector<Meaning>& meanings,
-                   MeshReport& report) {
+void measure_cells(MPI_Comm comm, const Mesh& mesh, const std::vector<bool>& owned,
+                   const std::vector<Meaning>& meanings, MeshReport& report) {
   constexpr double large = std::numeric_limits<double>::max();
-  const Geometry geometry(dm);
-  const PointRange cells = stratum(dm, 3);
+  const Geometry geometry(mesh);
+  const PointRange cells = stratum(mesh.dm.get(), 3);
   std::array<long long, 10> histogram{};
   double min_quality = 1.0, min_edge2 = large, max_edge2 = 0.0, volume = 0.0;
   std::array<double, 3> lower{large, large, large}, upper{-large, -large, -large};
   for (PetscInt c = cells.begin; c < cells.end; ++c) {
     if (!owned[static_cast<std::size_t>(c)]) continue;
-    const auto x = geometry.corners(c);
-    for (const Point& p : x) {
+    const tetrahedron::Corners corners = geometry.corners(c);
+    for (const Point& p : corners) {
       for (std::size_t k = 0; k < 3; ++k) {
         lower[k] = std::min(lower[k], p[k]);
         upper[k] = std::max(upper[k], p[k]);
       }
     }
     if (!meanings.empty() && meanings[static_cast<std::size_t>(c - cells.begin)] != Meaning::tetrahedron) continue;
-    const tetrahedron::Corners corners{x[0], x[1], x[2], x[3]};
     const double q = tetrahedron::mean_ratio(corners);
     ++histogram[static_cast<std::size_t>(std::min(9.0, std::max(0.0, std::floor(10.0 * q))))];
     min_quality = std::min(min_quality, q);
@@ -171,7 +168,7 @@ void measure_cells(MPI_Comm comm, DM dm, const std::vector<bool>& owned, const s
 void measure_groups(MPI_Comm comm, const Mesh& mesh, const std::vector<bool>& owned,
                     std::vector<GroupReport>& reports) {
   DM dm = mesh.dm.get();
-  const Geometry geometry(dm);
+  const Geometry geometry(mesh);
   for (const auto& group : mesh.groups) {
     DMLabel label = nullptr;
     Handle<IS> points;
@@ -187,7 +184,7 @@ void measure_groups(MPI_Comm comm, const Mesh& mesh, const std::vector<bool>& ow
       for (PetscInt i = 0; i < n; ++i) {
         if (!owned[static_cast<std::size_t>(p[i])]) continue;
         ++count;
-        size += measure_of(geometry.corners(p[i]));
+        size += geometry.measure(p[i]);
       }
       check(ISRestoreIndices(points.get(), &p));
     }
@@ -237,7 +234,7 @@ void measure(MPI_Comm comm, const MeshSource& source, Mesh& mesh) {
     return sum_of(comm, n);
   };
   report.elements = {count(Meaning::tetrahedron), count(Meaning::segment), count(Meaning::triangle)};
-  measure_cells(comm, dm, owned, report.elements.tetrahedra > 0 ? meanings : std::vector<Meaning>(), report);
+  measure_cells(comm, mesh, owned, report.elements.tetrahedra > 0 ? meanings : std::vector<Meaning>(), report);
   share_file_facts(comm, report);
 }
 

@@ -121,6 +121,8 @@ struct MeshSource {
 struct Mesh {
   Handle<DM> dm;  ///< interpolated DMPlex with one layer of overlap cells (all cells that share a vertex with an owned
                   ///< cell); coordinates: three per vertex [m]; the point SF gives the owner of each point
+  /// The vertices of each local cell by their index in the stratum (point - start), four per cell, positively oriented.
+  std::vector<PetscInt> corners;
   int geometry_order = 1;  ///< 2: edges are curved, see edge_midpoints
   std::vector<double>
       edge_midpoints;  ///< geometry_order 2: xyz of the mid-edge node of local edge point p at 3 * (p - edge_start) [m]

@@ -278,17 +278,6 @@ void read_numbers(hid_t file, const Head& head, const Hdf5Rows& cells, const Hdf
 
 }  // namespace
 
-std::size_t num_local_parts(int dimension) {
-  return dimension == 1 ? 6 : 4;
-}
-
-std::span<const int> local_part(int dimension, std::size_t number) {
-  static constexpr std::array<int, 4> corners{0, 1, 2, 3};
-  if (dimension == 2) return local_facets[number];
-  if (dimension == 1) return local_edges[number];
-  return {&corners[number], 1};
-}
-
 bool is_mesh_file(const std::string& file) {
   const std::string extension = std::filesystem::path(file).extension().string();
   return extension == ".h5" || extension == ".hdf5";

@@ -16,21 +16,13 @@
 
 #include "mesh/distribute.hpp"
 
-#include <array>
 #include <cstdint>
-#include <span>
 #include <string>
 
 namespace pliant {
 
 inline constexpr const char* mesh_file_format = "pliant-mesh";
 inline constexpr std::int64_t mesh_file_version = 1;
-
-/// Local corners of the facets, edges and corners of a tetrahedron, by dimension, in the order in which group members
-/// are numbered.
-inline constexpr std::array<std::array<int, 3>, 4> local_facets{{{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
-std::span<const int> local_part(int dimension, std::size_t number);
-std::size_t num_local_parts(int dimension);
 
 /// Whether the name is that of such a file (.h5, .hdf5).
 bool is_mesh_file(const std::string& file);

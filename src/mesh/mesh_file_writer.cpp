@@ -2,63 +2,29 @@
 
 #include "base/file.hpp"
 #include "mesh/mesh_file.hpp"
+#include "mesh/part_search.hpp"
 #include "mesh/space_curve.hpp"
 #include "petsc/hdf5.hpp"
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 
 namespace pliant {
 namespace {
 
-/// The cells of each node.
-class CellsAtNode {
- public:
-  explicit CellsAtNode(const SerialMesh& mesh) : offsets_(mesh.num_nodes() + 1, 0), cells_(mesh.cells.size()) {
-    for (const PetscInt node : mesh.cells) ++offsets_[static_cast<std::size_t>(node) + 1];
-    for (std::size_t i = 1; i < offsets_.size(); ++i) offsets_[i] += offsets_[i - 1];
-    std::vector<std::size_t> next(offsets_.begin(), offsets_.end() - 1);
-    for (std::size_t i = 0; i < mesh.cells.size(); ++i) cells_[next[static_cast<std::size_t>(mesh.cells[i])]++] = i / 4;
-  }
-  /// By ascending number.
-  std::span<const std::size_t> operator()(PetscInt node) const {
-    const auto n = static_cast<std::size_t>(node);
-    return {cells_.data() + offsets_[n], cells_.data() + offsets_[n + 1]};
-  }
-
- private:
-  std::vector<std::size_t> offsets_;
-  std::vector<std::size_t> cells_;
-};
-
 using Member = std::array<std::int64_t, 2>;  // a cell, and the index of its facet, edge or corner
 
-/// Finds the first cell that has the facet, edge or corner of these nodes; false if there is none.
-bool find_member(const SerialMesh& mesh, const CellsAtNode& cells_at, std::span<const PetscInt> nodes, Member& found) {
-  if (std::ranges::any_of(nodes, [](PetscInt node) { return node < 0; })) return false;
-  const int dimension = static_cast<int>(nodes.size()) - 1;
-  for (const std::size_t c : cells_at(nodes[0])) {
-    for (std::size_t part = 0; part < num_local_parts(dimension); ++part) {
-      const auto corners = local_part(dimension, part);
-      const auto is_among = [&](int corner) {
-        return std::ranges::find(nodes, mesh.cells[4 * c + static_cast<std::size_t>(corner)]) != nodes.end();
-      };
-      if (!std::ranges::all_of(corners, is_among)) continue;
-      found = {static_cast<std::int64_t>(c), static_cast<std::int64_t>(part)};
-      return true;
-    }
-  }
-  return false;
-}
-
-std::vector<Member> members_of(const SerialMesh& mesh, const CellsAtNode& cells_at, const SerialGroup& group,
-                               std::vector<std::string>& notices) {
+std::vector<Member> members_of(const PartSearch& search, const SerialGroup& group, std::vector<std::string>& notices) {
   const auto size = static_cast<std::size_t>(group.group.dimension) + 1;
   std::vector<Member> members;
   for (std::size_t i = 0; i + size <= group.members.size(); i += size) {
-    Member member{};
-    if (find_member(mesh, cells_at, {&group.members[i], size}, member)) members.push_back(member);
+    std::optional<Member> first;
+    search({&group.members[i], size}, [&](std::size_t cell, std::size_t part) {
+      if (!first) first = {static_cast<std::int64_t>(cell), static_cast<std::int64_t>(part)};
+    });
+    if (first) members.push_back(*first);
   }
   notice_left_out(group, members.size(), notices);
   std::ranges::sort(members);
@@ -66,15 +32,15 @@ std::vector<Member> members_of(const SerialMesh& mesh, const CellsAtNode& cells_
   return members;
 }
 
-void write_group(hid_t groups, const std::string& number, const SerialMesh& mesh, const CellsAtNode& cells_at,
-                 const SerialGroup& group, std::vector<std::string>& notices) {
+void write_group(hid_t groups, const std::string& number, const PartSearch& search, const SerialGroup& group,
+                 std::vector<std::string>& notices) {
   if (group.group.dimension == 3) {
     std::vector<std::int64_t> cells(group.members.begin(), group.members.end());
     std::ranges::sort(cells);
     cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
     write_dataset(groups, number, {cells.size()}, H5T_NATIVE_INT64, cells.data());
   } else {
-    const std::vector<Member> members = members_of(mesh, cells_at, group, notices);
+    const std::vector<Member> members = members_of(search, group, notices);
     write_dataset(groups, number, {members.size(), 2}, H5T_NATIVE_INT64, members.data());
   }
   const Hdf5Handle dataset(H5Dopen2(groups, number.c_str(), H5P_DEFAULT), H5Dclose, "open a group");
@@ -93,10 +59,10 @@ void write_numbers(hid_t file, SerialMesh& mesh) {
   write_dataset(file, "nodes", {mesh.num_nodes(), 3}, H5T_NATIVE_DOUBLE, mesh.coordinates.data());
   const hid_t integer = sizeof(PetscInt) == 8 ? H5T_NATIVE_INT64 : H5T_NATIVE_INT32;
   write_dataset(file, "cells", {mesh.num_cells(), 4}, integer, mesh.cells.data());
-  const CellsAtNode cells_at(mesh);
+  const PartSearch search(mesh.cells);
   const Hdf5Handle groups = make_group(file, "groups");
   for (std::size_t g = 0; g < mesh.groups.size(); ++g) {
-    write_group(groups.get(), std::to_string(g), mesh, cells_at, mesh.groups[g], mesh.notices);
+    write_group(groups.get(), std::to_string(g), search, mesh.groups[g], mesh.notices);
   }
   const Hdf5Handle all_data = make_group(file, "cell_data");
   for (std::size_t d = 0; d < mesh.cell_data.size(); ++d) {

@@ -11,6 +11,19 @@ std::string joined(const std::vector<std::string>& reasons) {
 
 }  // namespace
 
+std::size_t num_local_parts(int dimension) {
+  constexpr std::array<std::size_t, 4> numbers{4, 6, 4, 1};
+  return numbers.at(static_cast<std::size_t>(dimension));
+}
+
+std::span<const int> local_part(int dimension, std::size_t number) {
+  static constexpr std::array<int, 4> corners{0, 1, 2, 3};
+  if (dimension == 3) return corners;
+  if (dimension == 2) return local_facets[number];
+  if (dimension == 1) return local_edges[number];
+  return {&corners[number], 1};
+}
+
 MeshDefect::MeshDefect(std::vector<std::string> reasons)
     : std::runtime_error(joined(reasons)), reasons_(std::move(reasons)) {}
 

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,14 @@ struct SerialMesh {
 /// Corners of the six edges of a tetrahedron, in the order of gmsh's second-order nodes 4..9 (the last two are swapped
 /// relative to VTK).
 inline constexpr std::array<std::array<int, 2>, 6> local_edges{{{0, 1}, {1, 2}, {2, 0}, {3, 0}, {3, 2}, {3, 1}}};
+
+/// Corners of the facets; facet i is opposite to corner i.
+inline constexpr std::array<std::array<int, 3>, 4> local_facets{{{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
+
+/// Local corners of the corners, edges, facets and the whole of a tetrahedron, by dimension, in the order in which
+/// members of groups are numbered.
+std::span<const int> local_part(int dimension, std::size_t number);
+std::size_t num_local_parts(int dimension);
 
 /// A mesh that cannot be used. Holds every reason found; read_mesh reports them as errors of the input at the place
 /// that names the file.

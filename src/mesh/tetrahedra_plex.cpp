@@ -52,15 +52,28 @@ struct Topology {
   std::vector<std::array<PetscInt, 4>> orientations;  // of the facets as the cell sees them
 };
 
-/// The orientation in which a cell with this list of vertices sees the facet of the same vertices in ascending order.
-PetscInt orientation(const std::array<PetscInt, 3>& ascending, const std::array<PetscInt, 3>& listed) {
-  PetscInt result = 0;
-  check(DMPolytopeGetVertexOrientation(DM_POLYTOPE_TRIANGLE, ascending.data(), listed.data(), &result));
-  return result;
-}
+/// The orientations in which cells see facets, as PETSc counts them.
+class Orientations {
+ public:
+  Orientations() {
+    constexpr std::array<PetscInt, 3> ascending{0, 1, 2};
+    auto listed = ascending;
+    do check(DMPolytopeGetVertexOrientation(DM_POLYTOPE_TRIANGLE, ascending.data(), listed.data(), &of(listed)));
+    while (std::ranges::next_permutation(listed).found);
+  }
+  /// How a cell with this list of vertices sees the facet that has them in ascending order.
+  PetscInt operator()(const std::array<PetscInt, 3>& listed) const { return table_[index(listed)]; }
 
-Topology find_parts(const SerialMesh& mesh, PetscInt num_vertices) {
-  const std::size_t num_cells = mesh.num_cells();
+ private:
+  static std::size_t index(const std::array<PetscInt, 3>& v) {
+    return (v[0] < v[1] ? 4u : 0u) + (v[1] < v[2] ? 2u : 0u) + (v[0] < v[2] ? 1u : 0u);
+  }
+  PetscInt& of(const std::array<PetscInt, 3>& listed) { return table_[index(listed)]; }
+  std::array<PetscInt, 8> table_{};
+};
+
+Topology find_parts(std::span<const PetscInt> corners, PetscInt num_vertices) {
+  const std::size_t num_cells = corners.size() / 4;
   Topology topology;
   topology.cells.resize(num_cells);
   topology.orientations.resize(num_cells);
@@ -69,6 +82,7 @@ Topology find_parts(const SerialMesh& mesh, PetscInt num_vertices) {
   Parts<1> edges(num_vertices, num_cells + num_cells / 3);
   topology.facets.reserve(2 * num_cells + num_cells / 4);
   topology.edges.reserve(num_cells + num_cells / 3);
+  const Orientations orientation;
   const auto edge = [&](PetscInt a, PetscInt b) {
     const auto [number, is_new] = edges.number(a, {b});
     if (is_new) topology.edges.push_back({a, b});
@@ -77,14 +91,14 @@ Topology find_parts(const SerialMesh& mesh, PetscInt num_vertices) {
   for (std::size_t c = 0; c < num_cells; ++c) {
     for (std::size_t f = 0; f < 4; ++f) {
       std::array<PetscInt, 3> listed{};
-      for (std::size_t i = 0; i < 3; ++i) listed[i] = mesh.cells[4 * c + facets_of_cell[f][i]];
+      for (std::size_t i = 0; i < 3; ++i) listed[i] = corners[4 * c + facets_of_cell[f][i]];
       auto ascending = listed;
       std::ranges::sort(ascending);
       const auto [a, b, d] = ascending;
       const auto [number, is_new] = facets.number(a, {b, d});
       if (is_new) topology.facets.push_back({edge(a, b), edge(b, d), edge(a, d)});
       topology.cells[c][f] = number;
-      topology.orientations[c][f] = orientation(ascending, listed);
+      topology.orientations[c][f] = orientation(listed);
     }
   }
   return topology;
@@ -108,25 +122,23 @@ void set_cone_sizes(DM dm, const Numbering& first) {
   check(DMSetUp(dm));
 }
 
+/// PETSc stores the cones of all points one after another.
 void set_cones(DM dm, const Topology& topology, const Numbering& first) {
+  PetscInt *point = nullptr, *orientation = nullptr;
+  check(DMPlexGetCones(dm, &point));
+  check(DMPlexGetConeOrientations(dm, &orientation));
+  for (std::size_t c = 0; c < topology.cells.size(); ++c) {
+    for (const PetscInt facet : topology.cells[c]) *point++ = first.facets + facet;
+    orientation = std::ranges::copy(topology.orientations[c], orientation).out;
+  }
   // A facet abc runs along its edges ab and bc, and against ac.
   constexpr std::array<PetscInt, 3> along{0, 0, -1};
-  for (std::size_t c = 0; c < topology.cells.size(); ++c) {
-    auto cone = topology.cells[c];
-    for (PetscInt& p : cone) p += first.facets;
-    check(DMPlexSetCone(dm, static_cast<PetscInt>(c), cone.data()));
-    check(DMPlexSetConeOrientation(dm, static_cast<PetscInt>(c), topology.orientations[c].data()));
+  for (const auto& facet : topology.facets) {
+    for (const PetscInt edge : facet) *point++ = first.edges + edge;
+    orientation = std::ranges::copy(along, orientation).out;
   }
-  for (std::size_t f = 0; f < topology.facets.size(); ++f) {
-    auto cone = topology.facets[f];
-    for (PetscInt& p : cone) p += first.edges;
-    check(DMPlexSetCone(dm, first.facets + static_cast<PetscInt>(f), cone.data()));
-    check(DMPlexSetConeOrientation(dm, first.facets + static_cast<PetscInt>(f), along.data()));
-  }
-  for (std::size_t e = 0; e < topology.edges.size(); ++e) {
-    auto cone = topology.edges[e];
-    for (PetscInt& p : cone) p += first.vertices;
-    check(DMPlexSetCone(dm, first.edges + static_cast<PetscInt>(e), cone.data()));
+  for (const auto& edge : topology.edges) {
+    for (const PetscInt vertex : edge) *point++ = first.vertices + vertex;
   }
   check(DMPlexSymmetrize(dm));
   check(DMPlexStratify(dm));
@@ -148,19 +160,20 @@ void set_cell_types(DM dm, const Numbering& first) {
 
 }  // namespace
 
-Handle<DM> make_tetrahedra_plex(MPI_Comm comm, const SerialMesh& mesh, PetscInt num_vertices) {
+Handle<DM> make_tetrahedra_plex(MPI_Comm comm, std::span<const PetscInt> cells, std::span<const double> coordinates) {
+  const auto num_vertices = static_cast<PetscInt>(coordinates.size() / 3);
   Handle<DM> dm;
   check(DMCreate(comm, dm.out()));
   check(DMSetType(dm.get(), DMPLEX));
   check(DMSetDimension(dm.get(), 3));
   {
-    const Topology topology = find_parts(mesh, num_vertices);
+    const Topology topology = find_parts(cells, num_vertices);
     const Numbering first(topology, num_vertices);
     set_cone_sizes(dm.get(), first);
     set_cones(dm.get(), topology, first);
     set_cell_types(dm.get(), first);
   }
-  check(DMPlexBuildCoordinatesFromCellList(dm.get(), 3, mesh.coordinates.data()));
+  check(DMPlexBuildCoordinatesFromCellList(dm.get(), 3, coordinates.data()));
   return dm;
 }
 

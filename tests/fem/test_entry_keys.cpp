@@ -61,9 +61,9 @@ TEST_P(EntryKeys, ACellHasTheSameVerticesOnAnyNumberOfRanks) {
     std::map<std::int64_t, std::vector<std::int64_t>> result;
     for (PetscInt c = cells.begin; c < cells.end; ++c) {
       auto& corners = result[mesh.cell_numbers[c - cells.begin]];
-      for_each_in_closure(dm, c, [&](PetscInt p) {
+      for (const PetscInt p : Closure(dm, c)) {
         if (vertices.contains(p)) corners.push_back(mesh.vertex_numbers[p - vertices.begin]);
-      });
+      }
       std::ranges::sort(corners);
     }
     return result;

@@ -5,6 +5,7 @@
 #include "mesh/scratch.hpp"
 
 #include <fstream>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <ostream>
@@ -55,9 +56,9 @@ std::string in_format(Format format, const Scratch& scratch, const std::string& 
 
 class DistributedBox : public ::testing::TestWithParam<Box> {
  protected:
-  Mesh read() const {
+  Mesh read(const BoxOptions& options = {}) const {
     const std::string msh =
-        scratch_.file("box.msh", [&](const std::string& file) { write_box_msh(file, size, GetParam().n); });
+        scratch_.file("box.msh", [&](const std::string& file) { write_box_msh(file, size, GetParam().n, options); });
     MeshSource source;
     source.file = in_format(GetParam().format, scratch_, msh);
     source.refine = GetParam().refine;
@@ -144,6 +145,70 @@ TEST_P(DistributedBox, EveryGhostCellTouchesAnOwnedOneAndEveryGhostPointHasAnOwn
   check(DMGetPointSF(mesh.dm.get(), &sf));
   check(PetscSFGetGraph(sf, nullptr, &num_leaves, nullptr, &roots));
   for (PetscInt i = 0; i < num_leaves; ++i) EXPECT_NE(roots[i].rank, rank(comm));
+}
+
+// What owners tell of their points reaches the same points elsewhere.
+TEST_P(DistributedBox, EveryGhostPointNamesTheSamePointOfItsOwner) {
+  const Mesh mesh = read();
+  const PlexPoints points(mesh.dm.get());
+  PetscSF sf = nullptr;
+  PetscInt num_roots = 0;
+  check(DMGetPointSF(mesh.dm.get(), &sf));
+  check(PetscSFGetGraph(sf, &num_roots, nullptr, nullptr, nullptr));
+  if (num_ranks(comm) == 1) return;
+  std::vector<double> here;
+  for (PetscInt p = 0; p < num_roots; ++p) {
+    const auto middle = points.middle(p);
+    here.insert(here.end(), middle.begin(), middle.end());
+  }
+  std::vector<double> of_owner = here;
+  MPI_Datatype place = MPI_DATATYPE_NULL;
+  check_mpi(MPI_Type_contiguous(3, MPI_DOUBLE, &place));
+  check_mpi(MPI_Type_commit(&place));
+  check(PetscSFBcastBegin(sf, place, here.data(), of_owner.data(), MPI_REPLACE));
+  check(PetscSFBcastEnd(sf, place, here.data(), of_owner.data(), MPI_REPLACE));
+  check_mpi(MPI_Type_free(&place));
+  for (std::size_t i = 0; i < here.size(); ++i) EXPECT_NEAR(here[i], of_owner[i], 1e-14);
+}
+
+TEST_P(DistributedBox, TheCornersOfACellAreThoseOfItsClosure) {
+  const Mesh mesh = read();
+  const PlexPoints points(mesh.dm.get());
+  ASSERT_EQ(std::ssize(mesh.corners), 4 * points.end(3));
+  for (PetscInt c = 0; c < points.end(3); ++c) {
+    const auto vertices = points.closure(c, 0);
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_EQ(points.begin(0) + mesh.corners[4 * static_cast<std::size_t>(c) + i], vertices[i]);
+    }
+  }
+}
+
+// Facets inside, edges and vertices are shared by cells of several ranks.
+TEST_P(DistributedBox, GroupsOfAllDimensionsHaveTheirPointsOnEveryRank) {
+  BoxOptions options;
+  options.cut = 1;
+  options.outline = test::Outline::edge_and_corner;
+  const Mesh mesh = read(options);
+  const PlexPoints points(mesh.dm.get());
+  const double x_of_cut = size[0] / GetParam().n[0];
+  const auto is_at = [](double a, double b) { return std::abs(a - b) < 1e-12; };
+  const std::map<std::string, std::function<bool(const std::array<double, 3>&)>> lies_in{
+      {"cut", [&](const auto& x) { return is_at(x[0], x_of_cut); }},
+      {"edge", [&](const auto& x) { return is_at(x[1], 0.0) && is_at(x[2], 0.0); }},
+      {"corner", [&](const auto& x) { return is_at(x[0], size[0]) && is_at(x[1], 0.0) && is_at(x[2], 0.0); }}};
+  int num_seen = 0;
+  for (const auto& group : mesh.groups) {
+    if (!lies_in.contains(group.name)) continue;
+    ++num_seen;
+    DMLabel label = nullptr;
+    check(DMGetLabel(mesh.dm.get(), label_name(group).c_str(), &label));
+    for (PetscInt p = points.begin(group.dimension); p < points.end(group.dimension); ++p) {
+      PetscInt value = -1;
+      check(DMLabelGetValue(label, p, &value));
+      EXPECT_EQ(value == 1, lies_in.at(group.name)(points.middle(p))) << group.name;
+    }
+  }
+  EXPECT_EQ(num_seen, 3);
 }
 
 TEST_P(DistributedBox, GroupsKeepTheirNamesMembersAndSizes) {
