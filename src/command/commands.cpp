@@ -135,6 +135,7 @@ Lines description_of(Model& model, const Config& config) {
   }
   append(lines, rod_table(config, model));
   append(lines, shell_table(config, model));
+  append(lines, rigid_part_table(config, model));
   append(lines, mechanism_table(config, model));
   if (!model.cavities().empty()) lines.emplace_back("cavities");
   for (const auto& cavity : model.cavities()) {

@@ -6,6 +6,7 @@
 #include "input/parse.hpp"
 #include "mesh/report.hpp"
 #include "model/rigid_bodies.hpp"
+#include "model/selections.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -193,6 +194,22 @@ std::vector<std::string> shell_table(const Config& config, const Model& model) {
       extent.add(&model.layout().coordinates[3 * static_cast<std::size_t>(n)]);
     }
     extent.append_to(lines, model.layout().comm);
+  }
+  return lines;
+}
+
+std::vector<std::string> rigid_part_table(const Config& config, const Model& model) {
+  std::vector<std::string> lines;
+  for (std::size_t c = 0; c < config.constraints.size(); ++c) {
+    const auto* rigid = std::get_if<ConstraintConfig::Rigid>(&config.constraints[c].kind);
+    if (rigid == nullptr) continue;
+    if (lines.empty()) lines.emplace_back("rigid parts");
+    const ConstraintPart& part = model.constraints().parts()[c];
+    const auto count = sum(model.layout().comm, static_cast<PetscInt64>(part.nodes.size()));
+    const std::string& name = config.constraints[c].name;
+    lines.push_back(fmt::format("  {}{}: {} nodes, center {}{}", name.empty() ? "" : name + ", ",
+                                describe(config.constraints[c].part), count, place(part.displacement.rigid->centre),
+                                rigid->center ? "" : " by default"));
   }
   return lines;
 }

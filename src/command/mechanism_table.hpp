@@ -17,6 +17,9 @@ std::vector<std::string> rod_table(const Config& config, const Model& model);
 /// Shells with their facets and materials, likewise.
 std::vector<std::string> shell_table(const Config& config, const Model& model);
 
+/// Rigid parts that the input asks for, with their centers, likewise.
+std::vector<std::string> rigid_part_table(const Config& config, const Model& model);
+
 /// Joints, springs and tendons, a heading and a line for each; nothing where there are none. Collective.
 std::vector<std::string> mechanism_table(const Config& config, const Model& model);
 

@@ -107,7 +107,7 @@ struct ConstraintConfig {
   struct Rigid {
     OptionalVectorExpression translation;  ///< of the centre [m]
     RotationConfig rotation;
-    std::optional<std::array<double, 3>> center;  ///< [m]; empty: the mean of the nodes
+    std::optional<std::array<double, 3>> center;  ///< [m]; empty: the part's centroid
     std::vector<Selection> attached;              ///< parts that move with it; not from a key of the constraint
     std::string support;                          ///< name of its reactions; empty: by its place in the input
     bool is_implied = false;                      ///< by a rigid body: the input has no such constraint

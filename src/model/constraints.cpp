@@ -1,7 +1,10 @@
 #include "model/constraints.hpp"
 
 #include "energy/rigid/rigid_fit.hpp"
+#include "energy/rigid/surface_mean.hpp"
+#include "fem/cell_integration.hpp"
 #include "fem/plane.hpp"
+#include "model/rigid_bodies.hpp"
 #include "model/tied_surfaces.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
@@ -22,13 +25,19 @@ using Normal = ConstraintConfig::Normal;
 using Periodic = ConstraintConfig::Periodic;
 using Equation = ConstraintConfig::Equation;
 
-/// The support's name in the history: its own, else the surface's, else by its place in the list of constraints.
-std::string support_name(const ConstraintConfig& constraint, std::size_t index) {
+/// Whether a joint has columns of forces by this name.
+bool is_joint(const Config& config, const std::string& name) {
+  return std::ranges::find(config.joints, name, &JointConfig::name) != config.joints.end();
+}
+
+/// The support's name in the history: its own, else its group's, else by its place in the list of constraints.
+std::string support_name(const Config& config, std::size_t index) {
+  const ConstraintConfig& constraint = config.constraints[index];
   if (!constraint.name.empty()) return constraint.name;
   const auto* rigid = std::get_if<ConstraintConfig::Rigid>(&constraint.kind);
   if (rigid != nullptr && !rigid->support.empty()) return rigid->support;
-  return constraint.part.kind == Selection::Kind::surface ? constraint.part.name
-                                                          : fmt::format("constraint{}", index + 1);
+  const std::string& group = constraint.part.name;
+  return group.empty() || is_joint(config, group) ? fmt::format("constraint{}", index + 1) : group;
 }
 
 /// The axis that the direction lies along; nothing if it lies along none.
@@ -39,11 +48,56 @@ std::optional<int> axis_of(const Vector3<double>& direction) {
   return std::nullopt;
 }
 
+/// The centroid of the cells; nothing if there are none. Collective.
+std::optional<Vector3<double>> centroid(const NodeLayout& layout, const std::vector<char>& is_counted) {
+  std::array<double, 4> sums{};
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    if (is_counted[static_cast<std::size_t>(c)] == 0) continue;
+    const auto nodes = layout.nodes_of_cell(c);
+    for_each_point_of_cell(layout, c, [&](const IntegrationPoint& point) {
+      for (std::size_t a = 0; a < nodes.size(); ++a) {
+        const auto X = layout.position(nodes[a]);
+        for (std::size_t i = 0; i < 3; ++i) sums[i] += point.weight * point.shape[a] * X[i];
+      }
+      sums[3] += point.weight;
+    });
+  }
+  sum_in_place(layout.comm, sums);
+  if (!(sums[3] > 0.0)) return std::nullopt;
+  return (1.0 / sums[3]) * Vector3<double>{sums[0], sums[1], sums[2]};
+}
+
+/// The mean of owned nodes. Collective.
+Vector3<double> mean_place(const NodeLayout& layout, const std::vector<PetscInt>& nodes) {
+  std::array<double, 4> sums{0.0, 0.0, 0.0, static_cast<double>(nodes.size())};
+  for (const PetscInt n : nodes) {
+    for (std::size_t i = 0; i < 3; ++i) sums[i] += layout.position(n)[i];
+  }
+  sum_in_place(layout.comm, sums);
+  return (1.0 / std::max(sums[3], 1.0)) * Vector3<double>{sums[0], sums[1], sums[2]};
+}
+
+/// The center of a rigid part that the input does not give. Cells that stand for rods and shells have no volume of
+/// their own. Collective.
+Vector3<double> default_centre(const Config& config, const NodeLayout& layout, const Selection& part,
+                               const std::vector<PetscInt>& nodes, Selections& selections) {
+  if (sum(layout.comm, static_cast<PetscInt64>(nodes.size())) == 0) return {};  // already an error
+  if (part.kind == Selection::Kind::surface) {
+    const SurfaceMean mean = mean_of_surface(layout, selections.facets(part));
+    if (mean.area > 0.0) return mean.middle;
+  }
+  const AddedBodies added = names_of_added_bodies(config);
+  if (part.kind == Selection::Kind::volume && std::ranges::find(added.names, part.name) == added.names.end()) {
+    if (const auto of_cells = centroid(layout, selections.cells(part))) return *of_cells;
+  }
+  return mean_place(layout, nodes);
+}
+
 }  // namespace
 
 Constraints::Constraints(const Config& config, const NodeLayout& layout, Selections& selections) : layout_(layout) {
   for (const auto& constraint : config.constraints) {
-    parts_.push_back(make_part(constraint, selections));
+    parts_.push_back(make_part(config, constraint, selections));
     parts_.back().where = constraint.where;
   }
   std::vector<PrescribedPart> prescriptions;
@@ -100,7 +154,8 @@ void Constraints::require_finite(double time) const {
   });
 }
 
-Constraints::Part Constraints::make_part(const ConstraintConfig& constraint, Selections& selections) {
+Constraints::Part Constraints::make_part(const Config& input, const ConstraintConfig& constraint,
+                                         Selections& selections) {
   const auto& kind = constraint.kind;
   if (const auto* prescribed = std::get_if<ConstraintConfig::Displacement>(&kind)) {
     return {selections.nodes(constraint.part), {prescribed->value}, true};
@@ -113,7 +168,7 @@ Constraints::Part Constraints::make_part(const ConstraintConfig& constraint, Sel
   }
   if (const auto* tied = std::get_if<Periodic>(&kind)) return {selections.nodes(constraint.part), {tied->difference}};
   if (std::holds_alternative<ConstraintConfig::Tied>(kind)) return {};  // its nodes are known later
-  if (std::holds_alternative<ConstraintConfig::Rigid>(kind)) return rigid(constraint, selections);
+  if (std::holds_alternative<ConstraintConfig::Rigid>(kind)) return rigid(input, constraint, selections);
   if (const auto* equation = std::get_if<Equation>(&kind)) {
     Part part;
     part.displacement.components[0] = equation->value;
@@ -166,7 +221,7 @@ Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selecti
   return part;
 }
 
-Constraints::Part Constraints::rigid(const ConstraintConfig& constraint, Selections& selections) {
+Constraints::Part Constraints::rigid(const Config& input, const ConstraintConfig& constraint, Selections& selections) {
   const auto& config = std::get<ConstraintConfig::Rigid>(constraint.kind);
   Part part{selections.nodes(constraint.part), {}, true};
   for (const Selection& attached : config.attached) {
@@ -188,16 +243,8 @@ Constraints::Part Constraints::rigid(const ConstraintConfig& constraint, Selecti
     part.rotation = FreeRotation::about_all_axes;
   }
   part.is_prescribed = !part.rotation;
-  if (config.center) {
-    motion.centre = *config.center;
-  } else {
-    Vector3<double> total{};
-    for (const PetscInt n : part.nodes) total = total + layout_.position(n);
-    const auto number = sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size()));
-    for (std::size_t i = 0; i < 3; ++i) {
-      motion.centre[i] = sum(layout_.comm, total[i]) / static_cast<double>(std::max<PetscInt64>(number, 1));
-    }
-  }
+  motion.centre = config.center ? Vector3<double>(*config.center)
+                                : default_centre(input, layout_, constraint.part, part.nodes, selections);
   part.displacement.rigid = motion;
   if (part.rotation && sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size())) > 0) {
     if (const auto reason = why_not_rigid(layout_, part.nodes, motion, *part.rotation)) {
@@ -220,7 +267,7 @@ void Constraints::add_supports(const Config& config) {
       continue;
     }
     const bool is_rigid = part.displacement.rigid.has_value();
-    const std::string name = support_name(config.constraints[c], c);
+    const std::string name = support_name(config, c);
     auto support = std::ranges::find(supports_, name, &Support::name);
     if (support == supports_.end()) support = supports_.insert(supports_.end(), {name, {}, {}});
     support_of_part_.push_back(static_cast<std::size_t>(support - supports_.begin()));

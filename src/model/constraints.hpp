@@ -41,6 +41,8 @@ class Constraints {
   const PrescribedDisplacement& prescribed() const { return *prescribed_; }
   PrescribedDisplacement& prescribed() { return *prescribed_; }
   const std::vector<Support>& supports() const { return supports_; }
+  /// One for each constraint of the input, in its order, and more for what it implies.
+  const std::vector<ConstraintPart>& parts() const { return parts_; }
   const std::vector<ModelJoint>& joints() const { return joints_; }
   /// Notes of what was tied.
   const std::vector<Diagnostic>& description() const { return description_; }
@@ -66,9 +68,9 @@ class Constraints {
  private:
   using Part = ConstraintPart;
 
-  Part make_part(const ConstraintConfig& constraint, Selections& selections);
+  Part make_part(const Config& input, const ConstraintConfig& constraint, Selections& selections);
   Part plane(const ConstraintConfig& constraint, Selections& selections);
-  Part rigid(const ConstraintConfig& constraint, Selections& selections);
+  Part rigid(const Config& input, const ConstraintConfig& constraint, Selections& selections);
   void add_supports(const Config& config);
   /// Adds what joints exert on the rigid parts of supports. `centres`: of their torques [m]. Collective.
   /// About which the torques of the supports are taken, at q. Collective.

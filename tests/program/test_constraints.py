@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Constraints beyond prescribed displacements, as users type them: planes of symmetry, periodic surfaces, rigid parts,
 equations; against the same problems solved otherwise."""
+import re
 import unittest
 
 import numpy as np
@@ -142,6 +143,52 @@ class Constraints(ProgramTest):
         moving = self.solve("bar.msh", ends, more="time: {method: bdf2, step: 0.02, end: 0.2}\n")
         self.assertLess(np.abs(moving["energy_balance_error"]).max(), 1e-9 * moving["elastic_energy"][-1])
         self.assertGreater(moving["support_work"][-1], moving["elastic_energy"][-1])
+
+    PIN = """SetFactory("OpenCASCADE");
+Cylinder(1) = {0, 0, 0, 0, 0, 0.03, 0.02};
+Physical Volume("pin") = {1};
+Physical Surface("end") = {2};
+Mesh.MeshSizeMax = 0.013;
+Mesh.ElementOrder = 2;
+"""
+
+    def test_the_center_of_a_rigid_part_is_its_centroid(self):
+        """The mean of the nodes of an irregular mesh lies beside the axis."""
+        self.write("pin.geo", self.PIN)
+        text = """mesh: {file: pin.geo}
+element: P2
+bodies: [{volume: pin, elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.3}}]
+constraints: [{PART, rigid: {rotation: {axis: [0, 0, 1], angle: 30 deg}, translation: [0, 0, 0]}}]
+time: {method: static}
+output: {fields: [displacement]}
+"""
+        for part, height, columns in (("volume: pin", 0.015, "pin"), ("surface: end", 0.03, "end"), ("where: z > 0.029", 0.03, "constraint1")):
+            input_file = self.write("pin.yaml", text.replace("PART", part))
+            for ranks in (1, 2):
+                check = self.pliant("check", input_file, ranks=ranks).stdout
+                center = [float(x) for x in re.search(r"rigid parts\n  .*, center \((.*)\) by default", check)[1].split(", ")]
+                self.assertAlmostEqual(center[2], height, delta=1e-7)
+                off = np.hypot(center[0], center[1])
+                (self.assertLess if columns != "constraint1" else self.assertGreater)(off, 1e-6)
+            self.assertIn(f"{columns}_tz", self.run_input(input_file))
+        given = self.write("pin.yaml", text.replace("PART", "volume: pin").replace("rigid: {", "rigid: {center: [1 mm, 0, 0], "))
+        self.assertRegex(self.pliant("check", given).stdout, r"volume 'pin': \d+ nodes, center \(0.001, 0, 0\)\n")
+        self.pliant("check", given, "--html")
+        self.assertIn("center: [0.001, 0, 0]", (self.directory / "pin.html").read_text())
+
+    def test_names_of_groups_that_joints_have(self):
+        """A joint's columns of forces are its own."""
+        write_box(self.directory / "bar.msh", (2, 1, 1))
+        history = self.run_input(self.write("bar.yaml", """mesh: {file: bar.msh}
+bodies: [{volume: body, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.3}}]
+rigid_bodies: [{name: ball, mass: 1, inertia: [1, 1, 1], center: [3, 0, 0]}]
+constraints: [{volume: body, displacement: [0, 0, 0]}]
+joints: [{name: body, type: slider, between: [ground, ball], point: [3, 0, 0], axis: [1, 0, 0]}]
+loads: [{gravity: [0, -9.81, 0]}]
+time: {method: bdf2, step: 1 ms, end: 2 ms}
+"""))
+        self.assertAlmostEqual(history["body_fy"][-1], 9.81, delta=1e-6)
+        self.assertAlmostEqual(history["constraint1_fy"][-1], 9810, delta=1e-3)
 
     HINGE = "{surface: top, rigid: {translation: [0, 0, 0], rotation: {axis: [0, 1, 0], angle: free}, center: [0, 0, 1]}}"
 

@@ -54,7 +54,8 @@ Section<Rigid> rigid_keys() {
             "rotation about the center; `free`: it follows from the forces; `fixed`: none")
           .otherwise("free"),
       field("center", &Rigid::center, array_of<3>(quantity("m")), "reference position of the center")
-          .otherwise_in_words("that of one of `rigid_bodies`, or the mean of the nodes"),
+          .otherwise_in_words("that of one of `rigid_bodies`, or the centroid of the volume or surface, else the mean "
+                              "of the nodes; `pliant check` shows it"),
   }};
 }
 
@@ -93,7 +94,7 @@ Section<ConstraintConfig> constraint_keys() {
               field("name", &C::name, column_name(),
                     "prefix of the columns of its reaction in history.csv; constraints with the same name have them "
                     "in common")
-                  .otherwise_in_words("the surface's, else constraint1, constraint2, ... by its place in the list"),
+                  .otherwise_in_words("its group's, else constraint1, constraint2, ... by its place in the list"),
               selector<C>("surface", SelectionKind::surface, "nodes of this surface"),
               selector<C>("volume", SelectionKind::volume, "nodes of this volume"),
               selector<C>("curve", SelectionKind::curve, "nodes of this curve"),
