@@ -1,5 +1,6 @@
 #include "command/model_items.hpp"
 
+#include "energy/rigid/rigid_fit.hpp"
 #include "energy/term.hpp"
 #include "input/input.hpp"
 #include "input/parse.hpp"
@@ -13,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -51,7 +53,8 @@ class Collector {
         model_(model),
         layout_(model.layout()),
         as_meshed_(make_layout(mesh, static_cast<int>(config.element))),
-        selections_(mesh, as_meshed_, names_of_added_bodies(completed_)) {
+        selections_(mesh, as_meshed_, names_of_added_bodies(completed_)),
+        at_start_(q) {
     update_ghosts(q);
     const ConstGhostedView local(q);
     q_.assign(local.span().begin(), local.span().end());
@@ -117,7 +120,12 @@ class Collector {
         names += (names.empty() ? "" : ", ") + describe(part);
         std::ranges::copy(selections_.nodes(part), std::back_inserter(nodes));
       }
-      add(ModelItem::Kind::constraint, named(constraint.name, names), said("constraints", k)).points = places(nodes);
+      ModelItem& item = add(ModelItem::Kind::constraint, named(constraint.name, names), said("constraints", k));
+      item.points = places(nodes);
+      const auto* rigid = std::get_if<ConstraintConfig::Rigid>(&constraint.kind);
+      if (rigid == nullptr || rigid->center) continue;
+      item.text +=
+          fmt::format("; center at {} m", place_text(model_.constraints().parts()[k].displacement.rigid->centre));
     }
   }
 
@@ -164,9 +172,22 @@ class Collector {
         item.points = places(nodes);
         continue;
       }
-      set_arrows(item, nodes, forces(load, model_.instant(when, 1.0)), acts_on_volumes);
+      const auto center = point_of_force(load, nodes);
+      set_arrows(item, nodes, forces(load, model_.instant(when, 1.0)), acts_on_volumes || center);
+      if (center) item.points.assign(center->begin(), center->end());
       if (when > 0.0) item.text += fmt::format("; arrows: at {:.4g} s, when it is largest", when);
     }
+  }
+
+  /// Where a force on a rigid body acts, at its center of mass; nothing of other loads. Collective.
+  std::optional<Vector3<double>> point_of_force(const LoadConfig& load, const std::vector<PetscInt>& nodes) const {
+    if (!std::holds_alternative<LoadConfig::Force>(load.kind) || load.part.kind != Selection::Kind::volume) {
+      return std::nullopt;
+    }
+    const auto body = std::ranges::find(model_.body_names(), load.part.name) - model_.body_names().begin();
+    const Vector3<double> center =
+        mass_of_rigid_body(completed_, layout_, model_.body_of_cell(), model_.shells(), static_cast<int>(body)).center;
+    return center + nearest_placement(layout_, nodes, center, at_start_).translation;
   }
 
   /// Resultants of the forces near each other, at the middles of their nodes; of all where `in_one`.
@@ -304,6 +325,7 @@ class Collector {
   const NodeLayout& layout_;
   NodeLayout as_meshed_;
   Selections selections_;
+  Vec at_start_;
   std::vector<double> q_;  // of the local nodes
   InputNode input_;        // as understood
   std::vector<ModelItem> items_;

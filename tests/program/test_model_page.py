@@ -85,6 +85,19 @@ class ModelPage(ProgramTest):
         self.assertTrue(any("neo-hookean" in line for line in page.model["lines"]))
         self.assertEqual([d["severity"] for d in page.model["diagnostics"]].count("warning"), 0)
 
+    def test_a_force_on_a_rigid_body_is_one_arrow(self):
+        rigid = "elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.4}"
+        self.write("bar.yaml", INPUT.replace(rigid, "rigid: true").split("constraints:")[0] + """
+loads: [{force: [0, 3, 0], volume: body}]
+initial: {displacement: [0, 0, 0.01]}
+time: {method: bdf2, step: 10 ms, end: 0.1}
+""")
+        for ranks in (1, 2):
+            self.check("--html", ranks=ranks)
+            _, points, forces = Page(self.directory / "bar.html").items["load", "volume 'body'"]
+            np.testing.assert_allclose(points, [[0.5, 0.1, 0.11]], rtol=1e-9)
+            np.testing.assert_allclose(forces, [[0, 3, 0]], atol=1e-9)
+
     def test_ranks(self):
         self.check("--html", "one.html")
         self.check("--html", "several.html", ranks=3)
