@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view magic = "pliant kept mesh 3\n";
+constexpr std::string_view magic = "pliant kept mesh 4\n";
 /// All kept meshes together [bytes].
 constexpr std::uintmax_t most_bytes = 1'000'000'000;
 

@@ -194,11 +194,13 @@ void measure_groups(MPI_Comm comm, const Mesh& mesh, const std::vector<bool>& ow
 
 /// Broadcasts what only rank 0 knows.
 void share_file_facts(MPI_Comm comm, MeshReport& report) {
-  std::array<long long, 3> counts{report.num_orphan_nodes, report.num_inverted_cells, report.edge_cut};
+  std::array<long long, 4> counts{report.num_orphan_nodes, report.num_inverted_cells, report.edge_cut,
+                                  report.is_straightened ? 1 : 0};
   check_mpi(MPI_Bcast(counts.data(), static_cast<int>(counts.size()), MPI_LONG_LONG, 0, comm));
   report.num_orphan_nodes = counts[0];
   report.num_inverted_cells = counts[1];
   report.edge_cut = counts[2];
+  report.is_straightened = counts[3] != 0;
   std::string text;
   for (const auto& notice : report.notices) text += notice + '\0';
   text = broadcast(comm, std::move(text));

@@ -27,6 +27,7 @@ void pack(Packer& out, const SerialMesh& mesh) {
     out.put_range(members);
   }
   pack(out, mesh.notices);
+  out.put(mesh.is_straightened);
   out.put_range(mesh.only);
 }
 
@@ -45,6 +46,7 @@ SerialMesh unpack_mesh(Unpacker& in) {
     members = in.get_range<std::vector<PetscInt>>();
   }
   mesh.notices = unpack_texts(in);
+  mesh.is_straightened = in.get<bool>();
   mesh.only = in.get_range<std::string>();
   return mesh;
 }

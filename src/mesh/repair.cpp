@@ -312,6 +312,7 @@ PetscInt repair(SerialMesh& mesh, std::span<const std::string> meeting_parts, Me
   require_unfolded_curves(mesh, reasons);
   throw_if_any(reasons);
   forget_straight_mid_nodes(mesh, num_vertices, report);
+  report.is_straightened = mesh.is_straightened;
   return num_vertices;
 }
 

@@ -47,6 +47,7 @@ struct MeshReport {
   std::vector<long long> cells_per_rank;  ///< owned
   long long edge_cut = 0;                 ///< facets shared by cells of two ranks, on the unrefined mesh
   int geometry_order = 1;                 ///< 2: curved edges
+  bool is_straightened = false;           ///< straight edges along curved faces of the geometry that gmsh meshed
   std::vector<GroupReport> groups;        ///< in the order of Mesh::groups
   std::vector<std::string> notices;       ///< in plain words, e.g. "12 inverted tetrahedra were reoriented"
 };

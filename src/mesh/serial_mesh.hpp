@@ -28,6 +28,7 @@ struct SerialMesh {
   std::vector<SerialGroup> groups;
   std::vector<CellField> cell_data;
   std::vector<std::string> notices;  ///< the reader's notes to the user
+  bool is_straightened = false;      ///< gmsh meshed curved faces of a geometry, and left the edges straight
   std::string only;                  ///< without tetrahedra: what there is instead, "3 of type 3-node triangle"
 
   std::size_t num_nodes() const { return coordinates.size() / 3; }

@@ -4,6 +4,7 @@
 #include "input/checks/volumetric.hpp"
 #include "input/loads.hpp"
 #include "input/output_fields.hpp"
+#include "model/shells.hpp"
 #include "model/warnings.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/check.hpp"
@@ -154,13 +155,14 @@ void require_undeformed(const Config& config, Vec q, const std::array<double, 6>
 }
 
 void require_near(const NodeLayout& layout, const std::array<double, 6>& bounds,
-                  const std::vector<ProbeLocation>& locations, const std::vector<ProbeConfig>& probes) {
+                  const std::vector<ProbeLocation>& locations, const std::vector<ProbeConfig>& probes,
+                  const std::vector<char>& is_left_out) {
   constexpr double near = 0.05;  // of the mesh's diagonal
   const double diagonal = std::hypot(bounds[3] - bounds[0], bounds[4] - bounds[1], bounds[5] - bounds[2]);
   std::vector<Diagnostic> errors;
   for (std::size_t p = 0; p < locations.size(); ++p) {
     if (!(locations[p].distance > near * diagonal)) continue;  // to a node
-    const NearestOfMesh nearest = nearest_of_mesh(layout, probes[p].point);
+    const NearestOfMesh nearest = nearest_of_mesh(layout, probes[p].point, is_left_out);
     if (!(nearest.distance > near * diagonal)) continue;
     const auto& [x, y, z] = nearest.point;
     errors.push_back({Severity::error, probes[p].where,
@@ -185,6 +187,21 @@ void require_bodies_at_probes(const Config& config, MPI_Comm comm, const std::ve
                                   probe->name, of->field.name)});
   }
   if (!errors.empty()) throw InputError(std::move(errors));
+}
+
+std::vector<Diagnostic> notes_of_curved_sides(const Config& config, const Mesh& mesh) {
+  const bool is_quadratic = config.element == ElementOrder::p2;
+  if (!is_quadratic && mesh.geometry_order == 2) {
+    return {note("the mesh has curved edges, which P1 elements straighten; `element: P2` keeps them")};
+  }
+  const bool takes_curves = config.mesh.refine == 0 && config.rods.empty() && !has_free_shells(config);
+  if (!is_quadratic || !mesh.report.is_straightened || !takes_curves) return {};
+  const std::string& file = config.mesh.file.value;
+  const std::string order = "'Mesh.ElementOrder = 2;'";
+  return {note("the geometry has curved faces, and the sides of its P2 elements are straight: for curved ones, " +
+               (file.ends_with(".geo")
+                    ? "write " + order + " in " + file
+                    : "mesh it by a .geo file with " + order + " that loads it ('Merge \"" + file + "\";')"))};
 }
 
 std::vector<Diagnostic> notes_of_distant_probes(const std::vector<ProbeLocation>& locations,

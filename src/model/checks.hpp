@@ -51,9 +51,13 @@ void require_undeformed(const Config& config, Vec q, const std::array<double, 6>
 
 /// Throws InputError at each probe that is far from the mesh, because it was given in another unit or for another body.
 /// A probe that is off by rounding, or by the flat facets of a round surface, is not. `bounds` of the mesh; `locations`
-/// of the probes. Collective.
+/// of the probes; `is_left_out`: per local cell, or empty. Collective.
 void require_near(const NodeLayout& layout, const std::array<double, 6>& bounds,
-                  const std::vector<ProbeLocation>& locations, const std::vector<ProbeConfig>& probes);
+                  const std::vector<ProbeLocation>& locations, const std::vector<ProbeConfig>& probes,
+                  const std::vector<char>& is_left_out);
+
+/// Where the shape of elements and that of the bodies are curved differently.
+std::vector<Diagnostic> notes_of_curved_sides(const Config& config, const Mesh& mesh);
 
 /// A note for each probe that lies outside the mesh, where the nearest node is recorded.
 std::vector<Diagnostic> notes_of_distant_probes(const std::vector<ProbeLocation>& locations,

@@ -172,11 +172,19 @@ class LoadTerms {
       if (body.part.name == load.part.name) return static_cast<int>(b);
       known.push_back(body.part.name);
     }
-    selections_.report(
-        load.part.where,
-        fmt::format("{} is not a rigid body, and only those take a force or torque as a whole{}; there "
-                    "are: {}",
-                    describe(load.part), did_you_mean(load.part.name, known), known.empty() ? "none" : joined(known)));
+    const auto is_it = [&](const BodyConfig& body) {
+      return body.part.kind == Selection::Kind::volume && body.part.name == load.part.name;
+    };
+    const std::string instead =
+        std::ranges::none_of(config_.bodies, is_it) ? did_you_mean(load.part.name, known)
+        : std::holds_alternative<LoadConfig::Torque>(load.kind)
+            ? "; on a soft body: a 'torque' on one of 'rigid_bodies' that a surface of it is 'coupled' to"
+            : "; on a soft body: 'force' on a 'surface', 'curve' or 'point' of it, or 'force_density' [N/m^3] on the "
+              "volume";
+    selections_.report(load.part.where,
+                       fmt::format("{} is not a rigid body, and only those take a force or torque as a whole{}; rigid "
+                                   "bodies are: {}",
+                                   describe(load.part), instead, known.empty() ? "none" : joined(known)));
     return std::nullopt;
   }
 

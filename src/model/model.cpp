@@ -64,9 +64,7 @@ void Model::build(const Mesh& mesh, const TermFactory& additional) {
   fingerprint_ = fingerprint(layout_);
   mesh_groups_ = find_mesh_groups(mesh, layout_);
   on_every_rank(layout_.comm, [&] { pattern_ = std::make_unique<BlockPattern>(layout_); });
-  if (order == 1 && mesh.geometry_order == 2) {
-    diagnostics_.push_back(note("the mesh has curved edges, which P1 elements straighten; `element: P2` keeps them"));
-  }
+  include(notes_of_curved_sides(config, mesh));
   build_terms(config, mesh);
   if (additional) {
     additional_ = additional(*this);
@@ -273,7 +271,7 @@ void Model::find_probes(const Config& config, const std::vector<char>& left_out)
   for (const auto& probe : config.probes) points.push_back(probe.point);
   probes_ = locate(layout_, points, left_out);
   move_to_triangles(config, layout_, body_of_cell_, probes_);
-  require_near(layout_, mesh_report_.bounds, probes_, config.probes);
+  require_near(layout_, mesh_report_.bounds, probes_, config.probes, left_out);
   include(notes_of_distant_probes(probes_, config.probes));
   require_bodies_at_probes(config, layout_.comm, probes_, cells_without_mesh(config, body_of_cell_));
 }

@@ -51,6 +51,32 @@ class Curved(ProgramTest):
                 self.assertGreater(error[1], 0.02)
                 self.assertIn("P1 elements straighten", text)
 
+    def test_straight_sides_of_round_geometry_get_a_note(self):
+        rod = """SetFactory("OpenCASCADE");
+Cylinder(1) = {0, 0, 0, 0, 0, 0.05, 0.01};
+Physical Volume("rod") = {1};
+Mesh.MeshSizeMax = 0.01;
+"""
+        self.write("rod.geo", rod)
+        self.write("curved.geo", rod + "Mesh.ElementOrder = 2;\n")
+        self.write("box.geo", rod.replace("Cylinder(1) = {0, 0, 0, 0, 0, 0.05, 0.01}", "Box(1) = {0, 0, 0, 1, 1, 1}").replace("0.01;", "0.5;"))
+        # gmsh's own kernel: the sides of an extrusion are no planes to it
+        self.write("extruded.geo", """Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Point(3) = {0, 1, 0};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 1}; Curve Loop(1) = {1, 2, 3}; Plane Surface(1) = {1};
+v[] = Extrude {0, 0, 1} { Surface{1}; };
+Physical Volume("rod") = {v[1]};
+Mesh.MeshSizeMax = 0.5;
+""")
+        text = "mesh: {file: FILE}\nelement: P2\nbodies: [{volume: rod, density: 1, rigid: true}]\ntime: {method: bdf2, step: 1, end: 1}\n"
+        note = "note: the geometry has curved faces, and the sides of its P2 elements are straight: for curved ones, write 'Mesh.ElementOrder = 2;' in rod.geo"
+        for file, is_noted in (("rod.geo", True), ("curved.geo", False), ("box.geo", False), ("extruded.geo", False)):
+            self.write("rod.yaml", text.replace("FILE", file))
+            for ranks in (1, 2):  # the second time with the mesh of the first
+                self.assertEqual(self.pliant("check", "rod.yaml", ranks=ranks).stdout.count(note), int(is_noted), file)
+        self.write("rod.yaml", text.replace("FILE", "rod.geo"))
+        self.assertEqual(self.pliant("run", "rod.yaml").stdout.count(note), 1)
+        self.assertNotIn("curved faces", self.pliant("check", "rod.yaml", "--set", "element=P1").stdout)
+
     def test_supports_carry_the_whole_weight(self):
         history = self.run_input(self.input, "time.method=static")
         self.assertAlmostEqual(history["left_fz"][-1] / (9.81 * 1000 * VOLUME), 1, delta=1e-4)

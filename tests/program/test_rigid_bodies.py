@@ -219,6 +219,22 @@ bodies: [{volume: body, density: 1000, rigid: true}]
             work = h["kinetic_energy"]
             np.testing.assert_allclose(h["load_work"], work, atol=1e-4 * work[-1])
 
+    def test_the_place_nearest_to_a_probe_is_on_a_mesh(self):
+        """Not in the tetrahedron that stands for a body of which only its inertia is known."""
+        write_box(self.directory / "bar.msh", (2, 1, 1), (0.2, 0.1, 0.1))
+        text = f"""mesh: {{file: bar.msh}}
+bodies: [{{volume: body, density: 1000, elasticity: {{model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.3}}}}]
+rigid_bodies: [{{name: jaw, mass: 1, inertia: [0.1, 0.1, 0.1], center: [1, 0, 0], attached: [right]}}]
+probes: [{{name: tip, point: [3, 0.1, 0.1]}}]
+time: {{method: bdf2, step: 1 ms, end: 1 ms}}
+"""
+        self.refused(text, "probe 'tip' lies outside the mesh, 2.8 m from its nearest point (0.2, 0.1, 0.1)")
+        soft = text.replace("[3, 0.1, 0.1]", "[0.2, 0.1, 0.1]")
+        self.refused(soft + "loads: [{force: [1, 0, 0], volume: body}]\n", "in.yaml:6:36: volume 'body' is not a rigid body, and only those take a force or torque as a "
+                     "whole; on a soft body: 'force' on a 'surface', 'curve' or 'point' of it, or 'force_density' [N/m^3] on the volume; rigid bodies are: jaw")
+        self.refused(soft + "loads: [{torque: [1, 0, 0], volume: body}]\n", "'coupled'")
+        self.refused(soft + "loads: [{torque: [1, 0, 0], volume: jwa}]\n", "(did you mean 'jaw'?); rigid bodies are: jaw")
+
     def test_mistakes(self):
         body = "rigid_bodies: [{name: top, BODY}]\ntime: {method: bdf2, step: 1 ms, end: 1}\n"
         self.refused(body.replace("BODY", "center: [0, 0, 0]"), "rigid body 'top' has no mass", "in.yaml:1")

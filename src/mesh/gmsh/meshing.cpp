@@ -1,5 +1,6 @@
 #include "mesh/gmsh/meshing.hpp"
 
+#include "base/vector3.hpp"
 #include "mesh/gmsh/closed_surface.hpp"
 #include "mesh/gmsh/extract.hpp"
 #include "mesh/gmsh/local_sizes.hpp"
@@ -78,9 +79,49 @@ void join_solids(bool has_shells) {
   gmsh::model::occ::synchronize();
 }
 
+/// Whether the nodes of a face are off the plane of three of them by more than rounding.
+bool is_curved(int face) {
+  std::vector<std::size_t> tags;
+  std::vector<double> x, parameters;
+  gmsh::model::mesh::getNodes(tags, x, parameters, 2, face, true, false);
+  const auto from_first = [&](std::size_t n) {
+    return Vector3<double>{x[3 * n] - x[0], x[3 * n + 1] - x[1], x[3 * n + 2] - x[2]};
+  };
+  Vector3<double> along{}, normal{};  // to the farthest node; across the largest triangle with it
+  for (std::size_t n = 0; n < tags.size(); ++n) {
+    if (norm(from_first(n)) > norm(along)) along = from_first(n);
+  }
+  for (std::size_t n = 0; n < tags.size(); ++n) {
+    const Vector3<double> across = cross(along, from_first(n));
+    if (norm(across) > norm(normal)) normal = across;
+  }
+  constexpr double flatness = 1e-6;
+  for (std::size_t n = 0; n < tags.size(); ++n) {
+    if (std::abs(dot(normal, from_first(n))) > flatness * norm(normal) * norm(along)) return true;
+  }
+  return false;
+}
+
+/// Whether a volume of the geometry has a curved face. Those of a mesh are as that is.
+bool has_curved_faces() {
+  gmsh::vectorpair faces;
+  gmsh::model::getEntities(faces, 2);
+  return std::ranges::any_of(faces, [](const auto& face) {
+    std::string type;
+    gmsh::model::getType(2, face.second, type);
+    if (type == "Plane" || type.starts_with("Discrete")) return false;
+    std::vector<int> volumes, curves;
+    gmsh::model::getAdjacencies(2, face.second, volumes, curves);
+    return !volumes.empty() && is_curved(face.second);
+  });
+}
+
 SerialMesh extracted(const GmshSession& gmsh) {
   SerialMesh mesh;
-  gmsh.run("return its mesh", [&] { mesh = extract_mesh(); });
+  gmsh.run("return its mesh", [&] {
+    mesh = extract_mesh();
+    mesh.is_straightened = mesh.geometry_order() == 1 && has_curved_faces();
+  });
   return mesh;
 }
 
