@@ -80,6 +80,15 @@ std::vector<Channel> channels_of(const std::vector<ResultField>& fields) {
   return channels;
 }
 
+/// What rigid bodies have of a field of deformable ones; nothing for fields of everything, of contact and of shells.
+std::optional<double> value_in_rigid_bodies(std::string_view field) {
+  constexpr std::array<std::string_view, 9> others{"displacement",   "velocity",       "acceleration",
+                                                   "contact_",       "membrane_",      "principal_membrane_",
+                                                   "bending_moment", "principal_bend", "principal_curvature"};
+  if (std::ranges::any_of(others, [&](std::string_view other) { return field.starts_with(other); })) return {};
+  return field == "volume_ratio" || field == "principal_stretches" ? 1.0 : 0.0;
+}
+
 /// Indices 0 .. count - 1, at most `most` of them, evenly, with both ends.
 std::vector<std::size_t> thinned(std::size_t count, std::size_t most) {
   std::vector<std::size_t> kept;
@@ -110,6 +119,7 @@ struct Scene {
   std::string group;
   std::size_t num_nodes = 0, num_cells = 0;
   BodySurface surface;
+  std::vector<char> is_rigid;  // of each body
   EarlierNeighbours neighbours;
   PackedMesh packed;
   Companions companions;
@@ -172,6 +182,9 @@ class Packer {
     scene.num_cells = mesh.bodies.size();
     packed_.elements = elements_of(mesh);
     scene.surface = surface_of_bodies(mesh);
+    for (const std::string& name : mesh.body_names) {
+      scene.is_rigid.push_back(std::ranges::find(mesh.rigid, name) != mesh.rigid.end() ? 1 : 0);
+    }
     scene.neighbours = EarlierNeighbours(scene.surface.num_vertices(), scene.surface.triangles);
     pack(mesh, scene);
     scene.companions = Companions(result_, group);
@@ -238,7 +251,13 @@ class Packer {
     const std::size_t reduced_width = components.size();
     std::vector<double> reduced(rows * reduced_width);
     for (std::size_t i = 0; i < rows; ++i) channel.reduce(&source[width * i], &reduced[reduced_width * i]);
-    const auto at = at_vertices(surface, reduced, channel.source.location, channel.components);
+    auto at = at_vertices(surface, reduced, channel.source.location, channel.components);
+    // Nodes that they share with deformable bodies have the values of these.
+    const auto in_rigid = value_in_rigid_bodies(channel.source.name);
+    for (std::size_t v = 0; v < surface.num_vertices() && in_rigid; ++v) {
+      if (scene.is_rigid[static_cast<std::size_t>(surface.bodies[v])] == 0) continue;
+      std::fill_n(at.begin() + static_cast<std::ptrdiff_t>(reduced_width * v), reduced_width, *in_rigid);
+    }
     for (std::size_t c = 0; c < reduced_width; ++c) {
       for (std::size_t v = 0; v < surface.num_vertices(); ++v) {
         components[c].push_back(static_cast<float>(at[reduced_width * v + c]));

@@ -145,6 +145,7 @@ OutputMesh ResultReader::mesh(const std::string& group) const {
   const Hdf5Handle body_of_cell = open_dataset(mesh.get(), "body");
   result.body_names = lines_of(text_attribute(body_of_cell.get(), "names"));
   for (const auto& [name, list] : {std::pair{"masses", &result.masses},
+                                   {"rigid", &result.rigid},
                                    {"rods", &result.rods},
                                    {"rectangular_rods", &result.rectangular_rods},
                                    {"sections", &result.sections},

@@ -123,6 +123,7 @@ void ResultWriter::write_mesh(const OutputMesh& mesh) const {
   const std::vector<std::int32_t> ranks(mesh.bodies.size(), rank(comm_));
   std::vector<std::pair<std::string, std::string>> names{{"names", lines(mesh.body_names)}};
   if (!mesh.masses.empty()) names.emplace_back("masses", lines(mesh.masses));
+  if (!mesh.rigid.empty()) names.emplace_back("rigid", lines(mesh.rigid));
   if (!mesh.rods.empty()) names.emplace_back("rods", lines(mesh.rods));
   if (!mesh.rectangular_rods.empty()) names.emplace_back("rectangular_rods", lines(mesh.rectangular_rods));
   if (!mesh.sections.empty()) names.emplace_back("sections", lines(mesh.sections));

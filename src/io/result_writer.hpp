@@ -4,8 +4,8 @@
 ///   /mesh/coordinates       num_nodes x 3, reference positions X [m]
 ///   /mesh/cells             num_cells x 4 or 10, node numbers in VTK's order
 ///   /mesh/body, /mesh/rank  num_cells; attributes of body, one per line: `names`; `masses`, names of
-///                           rigid bodies with neither mesh nor surface, `rods`, `rectangular_rods`, `sections` and
-///                           `shells` (OutputMesh), if there are any
+///                           rigid bodies with neither mesh nor surface, `rigid`, those with a mesh, `rods`,
+///                           `rectangular_rods`, `sections` and `shells` (OutputMesh), if there are any
 ///   /groups/nodes, /groups/facets, /groups/cells     groups of the mesh: a row per node of points and curves, facet of
 ///                           surfaces, and cell of volumes: the group, then a node, 3 or 6 nodes, or a cell; attributes
 ///                           of /groups, one per line: `names`, `dimensions`. "/groups_1" belongs to "/mesh_1"
@@ -71,6 +71,8 @@ struct OutputMesh {
   /// corners (1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1) of the box around the ellipsoid with the body's moments
   /// of inertia.
   std::vector<std::string> masses;
+  /// Names of rigid bodies with a mesh.
+  std::vector<std::string> rigid;
   /// Names of rods. Each cell of one is a segment x_0, x_1, p_1, p_2, in any order: p_1 and p_2 lie at the surface,
   /// across the axis from its middle and at right angles. Those with a rectangular section, whose half sides they give;
   /// and names of their sections that are held, which are not drawn.

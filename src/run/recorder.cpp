@@ -63,6 +63,11 @@ OutputMesh output_mesh(const Config& config, const Model& model) {
   }
   mesh.body_names = model.body_names();
   mesh.masses = names_of_rigid_bodies(config).without_surface;
+  const Config completed = with_rigid_bodies(config);
+  for (std::size_t b = 0; b < completed.bodies.size(); ++b) {
+    const bool is_meshed = completed.bodies[b].is_rigid && !stands_for_body(completed, static_cast<int>(b));
+    if (is_meshed) mesh.rigid.push_back(mesh.body_names[b]);
+  }
   for (const RodConfig& rod : config.rods) {
     mesh.rods.push_back(rod.name);
     if (rod.section) mesh.rectangular_rods.push_back(rod.name);

@@ -6,12 +6,13 @@ What pictures show is tested in tests/tools.
 import importlib
 import re
 import sys
+import types
 import unittest
 
 import numpy as np
 from PIL import Image
 
-from program import ROOT, ProgramTest, finish, start
+from program import ROOT, ProgramTest, box, finish, start, write_mesh
 
 sys.path[:0] = [str(ROOT / "tests/tools"), str(ROOT / "src/python")]
 
@@ -77,6 +78,33 @@ class Pictures(ProgramTest):
         self.assertRegex(done.stderr, words)
         if ranks == 1:
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+
+    def test_rigid_bodies_have_no_stress(self):
+        """The nodes that they share with soft ones have the stress of these."""
+        points, triangles, cells = box((4, 1, 1), (1, 0.2, 0.2))
+        write_mesh(self.directory / "bar.msh", points, triangles, cells, (["body", "end"], (points[cells, 0].mean(axis=1) > 0.75).astype(int)))
+        self.write("bar.yaml", """mesh: {file: bar.msh}
+bodies:
+  - {volume: body, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4}}
+  - {volume: end, density: 1000, rigid: true}
+constraints: [{surface: left, displacement: [0, 0, 0]}]
+loads: [{gravity: [0, 0, -9.81]}]
+time: {method: static}
+output: {fields: [displacement, von_mises_stress, volume_ratio]}
+""")
+        from pliant import Result
+        from pliant.pictures.shown import Shown
+        options = dict(range=None, colour_map="viridis", scale=1, hide=(), transparent=(), outline=False, cut=None, mirror=(), view=(1, 1, 1))
+        for is_nodal in ("false", "true"):
+            self.run_input("bar.yaml", f"output.nodal={is_nodal}")
+            with Result(self.out) as result:
+                frame = result.frames[-1]
+                self.assertEqual(frame.mesh.rigid, ["end"])
+                for field, at_rest in (("von_mises_stress", 0), ("volume_ratio", 1)):
+                    shown = Shown(result, [frame], types.SimpleNamespace(field=field, **options))
+                    found = {shell.names[0]: values for shell, values in zip(shown.shells(frame), shown._values(frame))}
+                    np.testing.assert_array_equal(found["end"], at_rest)
+                    self.assertGreater(np.abs(found["body"] - at_rest).max(), 1e-4)
 
     def test_errors_in_one_line(self):
         synthetic.write_result(self.out, num_frames=1, order=1, cubes=(2, 1, 1))

@@ -40,6 +40,7 @@ class Mesh:
     shells: "list[str]" = dataclasses.field(default_factory=list)
     #: Those of the rods that have a rectangular section.
     rectangular_rods: "list[str]" = dataclasses.field(default_factory=list)
+    rigid: "list[str]" = dataclasses.field(default_factory=list)  #: rigid bodies with a mesh
     #: Volumes, surfaces, curves and points of the mesh that have names, or numbers.
     groups: "list[MeshGroup]" = dataclasses.field(default_factory=list)
 

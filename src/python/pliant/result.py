@@ -246,7 +246,7 @@ class Result(Sequence[Frame]):
             if group not in known:
                 raise MissingError(f"{self.file} has no mesh {short(group)}; it has {', '.join(known)}")
             given = self.open_file[group]
-            names, *others = (text(given["body"].attrs.get(key, "")).split("\n") for key in ("names", "masses", "rods", "sections", "shells", "rectangular_rods"))
+            names, *others = (text(given["body"].attrs.get(key, "")).split("\n") for key in ("names", "masses", "rods", "sections", "shells", "rectangular_rods", "rigid"))
             others = [other if other[0] else [] for other in others]
             cells, body = given["cells"][()], given["body"][()]
             self._meshes[group] = Mesh(given["coordinates"][()], cells, body, names, *others, groups=self._groups(group, cells, body, names))

@@ -91,7 +91,7 @@ class Model:
                 surface = Surface(mesh, 2, cells=cells)
             of_triangle, of_point = None, None
             if shown.quantity is not None and not shown.is_of_lines and name not in ghosts:
-                values = shown.quantity.at_points(coloured, surface)
+                values = shown.quantity.at_points(coloured, surface, name in mesh.rigid)
                 if shown.is_by_face:
                     of_triangle = values[surface.face_of_triangle]
                 else:

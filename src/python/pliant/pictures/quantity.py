@@ -9,6 +9,9 @@ COMPONENTS = {3: "x y z".split(), 6: "xx yy zz xy yz xz".split(),
               9: "xx xy xz yx yy yz zx zy zz".split()}
 PRINCIPAL = "principal_"  # fields of three values in descending order
 OF_RODS = "rod_"  # fields of the segments of rods alone
+# Fields that rigid bodies have as others do: those of everything, of contact and of shells.
+OF_RIGID_BODIES = ("displacement", "velocity", "acceleration", "contact_", "membrane_", "principal_membrane_", "bending_moment", "principal_bend", "principal_curvature")
+AT_REST = {"volume_ratio": 1.0, "principal_stretches": 1.0}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -22,11 +25,18 @@ class Quantity:
     names: list  # of a quantity that counts bodies or ranks, empty ones of those that are not drawn; else empty
     axes: str = ""  # of a component: "x", "xy"; empty where it does not depend on them
 
-    def at_points(self, frame, surface):
-        """Values at the points of the surface; of counted things, at its faces."""
+    @property
+    def is_of_deformable_bodies(self):
+        return not self.names and not self.field.startswith((OF_RODS, *OF_RIGID_BODIES))
+
+    def at_points(self, frame, surface, is_rigid=False):
+        """Values at the points of the surface; of counted things, at its faces. `is_rigid`: it is that of rigid bodies, whose nodes have the
+        values of others that they share them with."""
         field = frame.field(self.field)
         if self.names:
             return field.values[surface.cell_of_face, 0]
+        if is_rigid and self.is_of_deformable_bodies:
+            return np.full(len(surface.of_nodes(frame.mesh.coordinates)), AT_REST.get(self.field, 0.0))
         values = field.values if field.on_nodes else surface.nodal_means(field.values)
         values = np.linalg.norm(values, axis=1, keepdims=True) if self.component < 0 else values[:, [self.component]]
         return _of_nodes(surface, values)[:, 0]

@@ -26,6 +26,7 @@ class Shell:
     opacity: float
     names: "list[str]"  # of the bodies
     is_ghost: bool = False  # of ellipsoids of inertia, which have no colours of a field
+    is_rigid: bool = False  # of rigid bodies alone
     mirrors: "tuple[Plane, ...]" = ()  # at which it is reflected, one after another
 
     @property
@@ -170,16 +171,19 @@ class Shown:
                     raise PliantError(f"--{option} {name}: there is no body or obstacle of this name; there are {', '.join(names) or 'none'}")
 
     def shells(self, frame):
-        """The outside of the bodies that are neither hidden nor transparent, as one; then each transparent body, and all ghosts."""
+        """The outside of the bodies that are neither hidden nor transparent, as one, or as one of those that are rigid and one of the others; then each transparent body, and all ghosts."""
         if frame.mesh_group not in self._shells_of_mesh:
             mesh, options = frame.mesh, self._options
             hidden, transparent = (np.array([name in names for name in mesh.body_names]) for names in (options.hide, options.transparent))
             hidden |= ~np.isin(mesh.body_names, mesh.bodies_with_surface)
             ghost = np.isin(mesh.body_names, self.ghosts(mesh))
-            parts = [(~hidden & ~transparent & ~ghost, 1.0, False)]
+            opaque = ~hidden & ~transparent & ~ghost
+            rigid = np.isin(mesh.body_names, mesh.rigid)
+            is_apart = self.quantity is not None and not self.is_of_lines and self.quantity.is_of_deformable_bodies
+            parts = [(opaque & ~rigid, 1.0, False), (opaque & rigid, 1.0, False)] if is_apart else [(opaque, 1.0, False)]
             parts += [(np.arange(len(hidden)) == k, TRANSPARENT, False) for k in np.nonzero(transparent & ~hidden & ~ghost)[0]]
             parts.append((ghost & ~hidden, TRANSPARENT, True))
-            shells = []
+            shells, gone = [], []
             for of_body, opacity, is_ghost in parts:
                 cells = np.nonzero(of_body[mesh.body])[0]
                 names = [name for name, is_in in zip(mesh.body_names, of_body) if is_in]
@@ -187,9 +191,11 @@ class Shown:
                     surface = Surface(mesh, cells=cells)
                     kept = surface if options.cut is None else self._cut_open(surface, mesh, cells)
                     if len(kept.triangles) > 0:
-                        shells.append(Shell(kept, opacity, names, is_ghost))
+                        shells.append(Shell(kept, opacity, names, is_ghost, bool(rigid[of_body].all())))
                     elif not is_ghost:
-                        raise PliantError("--cut: nothing of a body is left; its plane lies behind all of it, seen by the viewer")
+                        gone.append(opacity)
+            if TRANSPARENT in gone or (gone and all(shell.opacity < 1 for shell in shells)):
+                raise PliantError("--cut: nothing of a body is left; its plane lies behind all of it, seen by the viewer")
             for plane in options.mirror:
                 shells += [dataclasses.replace(shell, mirrors=(*shell.mirrors, plane)) for shell in shells]
             self._shells_of_mesh[frame.mesh_group] = shells
@@ -282,7 +288,7 @@ class Shown:
 
     def _values(self, frame):
         """Of each shell; None for ghosts."""
-        return [None if shell.is_ghost else shell.sign(self.quantity.axes) * self.quantity.at_points(frame, shell.surface) for shell in self.shells(frame)]
+        return [None if shell.is_ghost else shell.sign(self.quantity.axes) * self.quantity.at_points(frame, shell.surface, shell.is_rigid) for shell in self.shells(frame)]
 
     @property
     def is_by_face(self):
