@@ -16,6 +16,9 @@ export function handyUnit(unit, largest) {
   return [factor, prefix + unit];
 }
 
+/// That of an axis of times, as `pliant plot` has it: tenths of seconds remain seconds.
+export const unitOfTimes = (last) => (last >= 0.1 ? [1, "s"] : handyUnit("s", last));
+
 /// Lowest and highest of the finite ones among numbers, however many: a function does not take more than about 10^5 arguments.
 export function span(values) {
   let low = Infinity, high = -Infinity;

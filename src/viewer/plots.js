@@ -1,11 +1,12 @@
 // The history as plots that follow the player: a click on one sets its time.
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { extent, handyUnit, inWords, largest, short, spelt, typeset } from "./numbers.js";
+import { extent, handyUnit, inWords, largest, short, spelt, typeset, unitOfTimes } from "./numbers.js";
 import { PathPlot, waysOf } from "./path.js";
 
 const COLOURS = ["#4a80c9", "#d9693f", "#43a874", "#9670c6", "#c79a2b", "#4aa5b5", "#bd5a86", "#7d8693"];
 const ENERGIES = ["kinetic_energy", "elastic_energy", "load_potential", "dissipated_energy", "numerical_dissipation", "load_work"];
+const LAST_LABEL = 24;  // half of what is below the end of the axis of times [pixels]
 
 const styleOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 /// Those of the lines that vary by more than rounding, relative to the others.
@@ -134,9 +135,10 @@ function* plotsOfBoth(history, others, options) {
 /// `seek(time)` is called when a plot is clicked.
 export class Plots {
   constructor(place, history, { isStatic, taken, others, seek }) {
-    Object.assign(this, { place, seek, made: [], timeLabel: { load: "load factor", path: "length of the path" }[isStatic] ?? "time [s]", paths: [] });
+    const time = history.get("time"), last = Math.max(...[history, others?.history].map((h) => h?.get("time")?.at(-1) ?? 0));
+    const [timeFactor, unit] = isStatic ? [1, ""] : unitOfTimes(last);
+    Object.assign(this, { place, seek, made: [], timeFactor, timeLabel: { load: "load factor", path: "length of the path" }[isStatic] ?? `time [${unit}]`, paths: [] });
     this.sync = uPlot.sync("history");
-    const time = history.get("time");
     if (others && time?.length && others.history.get("time")?.length) {
       for (const [plot, times] of [...plotsOfBoth(history, others, { isStatic, taken })].slice(0, 40)) this.add(plot, times);
     } else if (time?.length) {
@@ -169,13 +171,13 @@ export class Plots {
     const show = (u, v) => (v == null ? "" : short(v));
     const strokes = [null, ...plot.lines.map(([, , colour, own], i) => own ?? COLOURS[(colour ?? plot.colour ?? i) % COLOURS.length])];
     const chart = new uPlot({
-      width: this.width(), height: 210, padding: [8, 8, 0, 0],
+      width: this.width(), height: 210, padding: [8, LAST_LABEL, 0, 0],
       cursor: { sync: { key: "history", setSeries: false }, points: { size: 6 }, drag: { x: true, y: false } },
       legend: { live: true, markers: { fill: (u, i) => strokes[i] } },
       scales: { x: { time: false }, y: plot.zero ? { range: (u, low, high) => [0, (high || 1) * 1.15] } : {} },
-      axes: [axis({ size: 30, values: (u, v) => v.map((x) => short(x)) }),
+      axes: [axis({ size: 30, values: (u, v) => v.map((x) => short(x / this.timeFactor)) }),
              axis({ size: 58, values: (u, v) => v.map((x) => short(x)) })],
-      series: [{ label: this.timeLabel, value: show },
+      series: [{ label: this.timeLabel, value: (u, v) => (v == null ? "" : short(v / this.timeFactor)) },
                ...plot.lines.map(([name, , , , isDashed], i) => ({
                  label: name, value: show, stroke: strokes[i + 1], width: 1.7, points: { show: false }, ...dashes(isDashed, i),
                  ...(plot.steps && { paths: uPlot.paths.stepped({ align: -1 }) }),

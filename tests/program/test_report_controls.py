@@ -148,19 +148,39 @@ class ReportControls(ProgramTest):
         """They have none, and its zeros there are not the lowest stress; a displacement they have. The rigid end shares its nodes with the bar."""
         points, triangles, cells = box((8, 2, 2), (1, 0.2, 0.2))
         write_mesh(self.directory / "bar.msh", points, triangles, cells, (["body", "end"], (points[cells, 0].mean(axis=1) > 0.75).astype(int)))
-        self.run_input(self.write("bar.yaml", INPUT.replace("constraints:", "  - {volume: end, density: 1200, rigid: true}\nconstraints:").replace("end: 0.1", "end: 30 ms")))
-        done = self.call("report", self.directory / "out")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        browser = self.open(page=self.directory / "out/report.html")
-        browser.evaluate("pliant.player.seek(0.03)")
-        browser.click("#show-extremes")
-        body_of = "pliant.points.extremes.map(e => pliant.bodies.names[pliant.bodies.surfaces[0].bodies[e.vertex]])"
-        for name in ("Von Mises stress", "Mean stress"):
-            browser.choose("#colour", name)
-            self.assertEqual(browser.evaluate(body_of), ["body", "body"], name)
-        self.assertNotIn("min 0 ", browser.evaluate("pliant.points.extremes.map(e => e.text + ' ').join()"))
-        browser.choose("#colour", "Displacement")
-        self.assertEqual(browser.evaluate(body_of)[1], "end")
+        text = INPUT.replace("constraints:", "  - {volume: end, density: 1200, rigid: true}\nconstraints:").replace("end: 0.1", "end: 30 ms")
+        for is_nodal in ("false", "true"):
+            self.run_input(self.write("bar.yaml", text), f"output.nodal={is_nodal}")
+            done = self.call("report", self.directory / "out")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            report = ReportFile(self.directory / "out/report.html")
+            bodies, stress = report.array(report.result["meshes"][0]["bodies"], "i4"), report.field("von_mises_stress")[-1]
+            self.assertEqual(report.result["bodies"], ["body", "end"])
+            self.assertEqual(np.abs(stress[bodies == 1]).max(), 0)
+            self.assertGreater(stress[bodies == 0].max(), 100)
+            browser = self.open(page=self.directory / "out/report.html")
+            browser.evaluate("pliant.player.seek(0.03)")
+            browser.click("#show-extremes")
+            body_of = "pliant.points.extremes.map(e => pliant.bodies.names[pliant.bodies.surfaces[0].bodies[e.vertex]])"
+            for name in ("Von Mises stress", "Mean stress"):
+                browser.choose("#colour", name)
+                self.assertEqual(browser.evaluate(body_of), ["body", "body"], name)
+            self.assertNotIn("min 0 ", browser.evaluate("pliant.points.extremes.map(e => e.text + ' ').join()"))
+            browser.choose("#colour", "Displacement")
+            self.assertEqual(browser.evaluate(body_of)[1], "end")
+
+    def test_times_have_the_unit_that_plots_have(self):
+        """And room below the end of their axis."""
+        write_box(self.directory / "bar.msh", (4, 1, 1), (1, 0.2, 0.2))
+        for step, end, unit, last in (("50 us", "6 ms", "ms", "6"), ("10 ms", "0.2", "s", "0.2")):
+            self.run_input(self.write("bar.yaml", INPUT.replace("step: 10 ms, end: 0.1", f"step: {step}, end: {end}")))
+            self.assertEqual(self.call("report", self.directory / "out").returncode, 0)
+            browser = self.open(page=self.directory / "out/report.html")
+            labels = browser.evaluate("[...document.querySelectorAll('#plots .u-series:first-child')].map(e => e.textContent)")
+            self.assertEqual({label.split("]")[0] for label in labels}, {f"time [{unit}"})
+            self.assertTrue(all(label.endswith(last) for label in labels), labels)
+            room = browser.evaluate("(() => { const box = document.querySelector('#plots .u-over'); return box.parentElement.clientWidth - box.offsetLeft - box.offsetWidth; })()")
+            self.assertGreaterEqual(room, 20)
 
     def test_points(self):
         browser = self.open()
