@@ -120,8 +120,9 @@ bool starts_unit(const std::string& text) {
   return std::isalpha(first) != 0 || first >= 0x80 || first == '%';
 }
 
-/// " (did you mean 'MPa'?)" for "Mpa", else empty: units are case-sensitive.
-std::string otherwise_capitalised(const std::string& text) {
+/// " (did you mean 'MPa'?)" for "Mpa", as units are case-sensitive, and 'deg' for "degr" of an angle; else empty.
+std::string meant_unit(const std::string& text, const std::string& wanted) {
+  if (wanted == "rad" && text.starts_with("deg")) return " (did you mean 'deg'?)";
   constexpr std::array units{"Pa", "kPa", "MPa", "GPa", "N",  "kN",   "mm",    "cm",
                              "um", "ms",  "us",  "kg",  "Hz", "Pa*s", "kg/m^3"};
   const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
@@ -170,11 +171,12 @@ double parse_quantity(const std::string& text, const std::string& unit) {
   const Unit given = parsed_unit(parts->unit.starts_with('/') ? "1" + parts->unit : parts->unit);
   if (!given) {
     throw UnitError("'" + excerpt(parts->unit) + "' in " + quoted + " is not a known unit" +
-                    otherwise_capitalised(parts->unit) + ", but " + wanted);
+                    meant_unit(parts->unit, unit) + ", but " + wanted);
   }
   const Unit expected = parsed_unit(unit);
   if (!same_dimension(given.get(), expected.get())) {
-    throw UnitError(quoted + " is " + dimension_of(given.get(), excerpt(parts->unit)) + ", but " + wanted);
+    throw UnitError(quoted + " is " + dimension_of(given.get(), excerpt(parts->unit)) +
+                    (unit == "rad" ? meant_unit(parts->unit, unit) : "") + ", but " + wanted);
   }
   const auto factor = conversion_factor(given.get(), expected.get());
   if (!factor) throw UnitError(quoted + " has a unit with an offset, but " + wanted);

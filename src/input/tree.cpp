@@ -27,8 +27,12 @@ InputNode* entry_of(InputNode& node, const std::string& part, const Location& wh
     if (const InputNode* const found = entry_of_list(node, part)) return &node.children[found - node.children.data()];
     const std::size_t size = node.children.size();
     std::string names;
-    for (const InputNode& child : node.children) {
+    for (std::size_t k = 0; k < size; ++k) {
+      const InputNode& child = node.children[k];
       const InputNode* const name = child.find("name");
+      const InputNode* const volume = child.find("volume");
+      const bool is_meant = name == nullptr && volume != nullptr && volume->text == part;
+      if (is_meant) names = "; number " + std::to_string(k) + " has the volume " + excerpt(part) + names;
       if (name != nullptr) names += (names.empty() ? "; their names: " : ", ") + excerpt(name->text);
     }
     diagnostics.add(where, "'" + excerpt(part) + "' does not name an entry of this list" +

@@ -1,6 +1,7 @@
 #include "io/result_reader.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -85,6 +86,29 @@ void refuse_input(const std::filesystem::path& place, std::string_view wanted) {
                               place.string(), wanted, place.stem().string()));
 }
 
+std::string results_elsewhere(const std::filesystem::path& place, std::string_view name) {
+  namespace fs = std::filesystem;
+  constexpr int deepest = 1;
+  constexpr std::size_t most_shown = 5, most_seen = 10000;
+  std::error_code ignored;
+  std::vector<std::string> found;
+  std::size_t seen = 0;
+  for (fs::recursive_directory_iterator at(place, ignored), end; at != end && ++seen < most_seen;
+       at.increment(ignored)) {
+    if (at.depth() >= deepest) at.disable_recursion_pending();
+    if (fs::is_regular_file(at->path() / name, ignored)) found.push_back(at->path().lexically_normal().string());
+  }
+  std::ranges::sort(found);
+  if (found.size() > most_shown) {
+    found.resize(most_shown);
+    found.emplace_back("...");
+  }
+  if (!found.empty()) return "; there are results in " + joined(found);
+  const fs::path above = (place.has_filename() ? fs::absolute(place) : fs::absolute(place).parent_path()).parent_path();
+  if (!fs::is_regular_file(above / name, ignored)) return "";
+  return "; there is one in " + fs::proximate(above, ignored).string();
+}
+
 std::filesystem::path result_file(const std::filesystem::path& place) {
   refuse_input(place, "result");
   std::error_code ignored;
@@ -99,7 +123,8 @@ std::filesystem::path result_file(const std::filesystem::path& place) {
     throw FileError(fmt::format("'{}' is not a result: give the directory of the run", file.string()));
   }
   if (!std::filesystem::is_regular_file(file, ignored)) {
-    throw FileError(fmt::format("there is no result: '{}' does not exist", file.string()));
+    throw FileError(
+        fmt::format("there is no result: '{}' does not exist{}", file.string(), results_elsewhere(place, "result.h5")));
   }
   return file;
 }

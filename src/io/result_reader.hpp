@@ -36,6 +36,10 @@ struct ResultField {
 /// FileError if `place` is the input of a run, where one of its results or checkpoints (`wanted`) is meant.
 void refuse_input(const std::filesystem::path& place, std::string_view wanted);
 
+/// "; there are results in ...", or "; there is one in ...": where files of this name are near `place`, up to two
+/// directories below it, or one above; else empty.
+std::string results_elsewhere(const std::filesystem::path& place, std::string_view name);
+
 /// Finds the numbers of a result: `place` is its directory, its result.h5 or its result.xdmf. FileError if there are
 /// none.
 std::filesystem::path result_file(const std::filesystem::path& place);

@@ -3,6 +3,7 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "io/history_writer.hpp"
+#include "io/result_reader.hpp"
 #include "io/svg_plot.hpp"
 #include "study/history_plots.hpp"
 
@@ -109,14 +110,17 @@ class Comparison {
  private:
   void read(const std::string& run) {
     const fs::path path = run;
-    if (!fs::exists(path)) throw FileError(fmt::format("there is no result: '{}' does not exist", run));
+    if (!fs::exists(path))
+      throw FileError(
+          fmt::format("there is no result: '{}' does not exist{}", run, results_elsewhere(path, "history.csv")));
     const fs::path file = fs::is_directory(path) ? path / "history.csv" : path;
     // "out/a/." and "out/a/" are called a.
     const fs::path named = fs::is_directory(path) ? fs::weakly_canonical(path) : path.parent_path();
     histories_.push_back(read_labelled_history(named.filename().empty() ? run : named.filename().string(), file));
     const HistoryTable& table = histories_.back().table;
     if (table.num_rows() == 0 || table.find("time") == nullptr) {
-      throw InputError({run, 0, 0}, "it has no history: give the directory of a result, or its history.csv");
+      throw InputError({run, 0, 0}, "it has no history: give the directory of a result, or its history.csv" +
+                                        results_elsewhere(path, "history.csv"));
     }
     const std::vector<double>& time = *table.find("time");
     if (!std::ranges::is_sorted(time)) {

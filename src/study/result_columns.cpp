@@ -43,6 +43,16 @@ std::vector<std::string> history_columns(MPI_Comm comm, const Config& config) {
   }
 }
 
+/// " (did you mean ...?)" by the name, or by what it begins with; else all that there are.
+std::string similar_columns(std::string name, const std::vector<std::string>& known) {
+  while (true) {
+    if (std::string found = did_you_mean(name, known); !found.empty()) return found;
+    const std::size_t last = name.rfind('_');
+    if (last == std::string::npos) return "; it has " + joined(known);
+    name.resize(last);
+  }
+}
+
 }  // namespace
 
 void require_columns(MPI_Comm comm, std::span<const RunNumber> numbers, std::span<const Config> inputs) {
@@ -64,8 +74,8 @@ void require_columns(MPI_Comm comm, std::span<const RunNumber> numbers, std::spa
   }
   if (missing.empty() || !has_model) return;
   const RunNumber& number = missing.front();
-  throw InputError({"--result " + number.name, 0, 0},
-                   fmt::format("history.csv has no column '{}'{}", number.column, did_you_mean(number.column, known)));
+  throw InputError({"--result " + number.name, 0, 0}, fmt::format("history.csv has no column '{}'{}", number.column,
+                                                                  similar_columns(number.column, known)));
 }
 
 }  // namespace pliant

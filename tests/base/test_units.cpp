@@ -55,27 +55,31 @@ TEST_P(BadQuantity, IsRefusedInPlainWords) {
 
 INSTANTIATE_TEST_SUITE_P(
     Units, BadQuantity,
-    testing::Values(Bad{"5 mm", "s", "'5 mm' is a length, but a time [s] is expected"},
-                    Bad{"5 ms", "Pa", "'5 ms' is a time, but a pressure [Pa] is expected"},
-                    Bad{"5 Hz", "s", "'5 Hz' is a frequency, but a time [s] is expected"},
-                    Bad{"1 m", "1", "'1 m' is a length, but a number is expected"},
-                    Bad{"40 %", "m", "'40 %' is a pure number, but a length [m] is expected"},
-                    Bad{"1 A", "m", "'1 A' is in [A], but a length [m] is expected"},
-                    Bad{"5 mmm", "m", "'mmm' in '5 mmm' is not a known unit, but a length [m] is expected"},
-                    Bad{"1 KPa", "Pa",
-                        "'KPa' in '1 KPa' is not a known unit (did you mean 'kPa'?), but a pressure [Pa] is expected"},
-                    Bad{"abc", "m", "'abc' is not a number, but a length [m] is expected"},
-                    Bad{"", "m", "'' is not a number, but a length [m] is expected"},
-                    Bad{"1,5 mm", "m", "'1,5 mm' is not a number (a decimal point is written '.')"},
-                    Bad{"1 000 mm", "m",
-                        "'1 000 mm' is neither a number nor a number with a unit, but a length [m] is expected"},
-                    Bad{"1 2", "m", "'1 2' is neither a number nor a number with a unit, but a length [m] is expected"},
-                    Bad{"20 degC", "K", "'20 degC' has a unit with an offset, but a temperature [K] is expected"},
-                    Bad{"5 s since 2000-01-01", "s",
-                        "'5 s since 2000-01-01' is in [s since 2000-01-01], but a time [s] is expected"},
-                    Bad{"3 dB", "1", "'dB' in '3 dB' is not a known unit, but a number is expected"},
-                    Bad{"1e308 km", "m", "'1e308 km' is too large for a number"},
-                    Bad{"inf", "m", "'inf' is not a number, but a length [m] is expected"}));
+    testing::Values(
+        Bad{"5 mm", "s", "'5 mm' is a length, but a time [s] is expected"},
+        Bad{"5 ms", "Pa", "'5 ms' is a time, but a pressure [Pa] is expected"},
+        Bad{"5 Hz", "s", "'5 Hz' is a frequency, but a time [s] is expected"},
+        Bad{"1 m", "1", "'1 m' is a length, but a number is expected"},
+        Bad{"40 %", "m", "'40 %' is a pure number, but a length [m] is expected"},
+        Bad{"1 A", "m", "'1 A' is in [A], but a length [m] is expected"},
+        Bad{"5 mmm", "m", "'mmm' in '5 mmm' is not a known unit, but a length [m] is expected"},
+        Bad{"1 KPa", "Pa",
+            "'KPa' in '1 KPa' is not a known unit (did you mean 'kPa'?), but a pressure [Pa] is expected"},
+        Bad{"5 degr", "rad", "'5 degr' is a temperature (did you mean 'deg'?), but an angle [rad] is expected"},
+        Bad{"5 degress", "rad",
+            "'degress' in '5 degress' is not a known unit (did you mean 'deg'?), but an angle [rad] is "
+            "expected"},
+        Bad{"abc", "m", "'abc' is not a number, but a length [m] is expected"},
+        Bad{"", "m", "'' is not a number, but a length [m] is expected"},
+        Bad{"1,5 mm", "m", "'1,5 mm' is not a number (a decimal point is written '.')"},
+        Bad{"1 000 mm", "m", "'1 000 mm' is neither a number nor a number with a unit, but a length [m] is expected"},
+        Bad{"1 2", "m", "'1 2' is neither a number nor a number with a unit, but a length [m] is expected"},
+        Bad{"20 degC", "K", "'20 degC' has a unit with an offset, but a temperature [K] is expected"},
+        Bad{"5 s since 2000-01-01", "s",
+            "'5 s since 2000-01-01' is in [s since 2000-01-01], but a time [s] is expected"},
+        Bad{"3 dB", "1", "'dB' in '3 dB' is not a known unit, but a number is expected"},
+        Bad{"1e308 km", "m", "'1e308 km' is too large for a number"},
+        Bad{"inf", "m", "'inf' is not a number, but a length [m] is expected"}));
 
 TEST(Quantity, HasAFormUnlikeAFormula) {
   for (const char* text : {"5", "5 ms", "2 kPa", "1 nonsense", "-1e3", "2 kPa*sin(t)"}) {

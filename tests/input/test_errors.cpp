@@ -482,6 +482,16 @@ TEST(InputErrors, StaticProblemsMustBeHeld) {
   EXPECT_EQ(told(mistakes(with_line(3, ""))), "") << "dynamics needs no constraint";
 }
 
+TEST(InputErrors, OfOverridesNameTheBodyOfAVolume) {
+  const std::string body = "density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}}";
+  const std::string two = with_line(2, "bodies: [{volume: a, " + body + ", {volume: b, " + body + "]");
+  EXPECT_EQ(told(mistakes(two, {{"bodies.1.density", "2"}})), "");
+  EXPECT_EQ(
+      told(mistakes(two, {{"bodies.b.density", "2"}})),
+      "--set bodies.b.density=2: 'b' does not name an entry of this list; they are numbered from 0 to 1; number 1 "
+      "has the volume b\n");
+}
+
 TEST(InputErrors, OfOverridesNameTheOverride) {
   const std::string good = with_line(6, "");
   const std::vector<std::pair<Override, std::string>> cases{

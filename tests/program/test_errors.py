@@ -388,6 +388,20 @@ class Errors(MistakesTest):
         words = "in.yaml' is .*an input.*: give the directory of its results, such as out/in"
         self.judge_all({command: (directory, [command, "in.yaml"], 4, None, words) for command in ("info", "report", "resume")}, {1: 1})
 
+    def test_results_that_are_elsewhere(self):
+        """One or two directories below what is named, or one above."""
+        directory = self.case("results elsewhere")
+        for name in ("out/a", "out/b"):
+            (directory / name).mkdir(parents=True)
+            for file in ("result.h5", "history.csv"):
+                (directory / name / file).write_text("")
+        (directory / "out/a/pictures").mkdir()
+        for command in ("report", "info", "render", "plot"):
+            for place, words in ((".", "there are results in out/a, out/b"), ("out", "there are results in out/a, out/b"),
+                                 ("out/a/pictures", "there is one in out/a"), ("out/a/none", "there is one in out/a|there is no file")):
+                self.judge_all({f"{command} {place}": (directory, [command, place], 4, None, words)}, {1: 1})
+        self.judge_all({"compare": (directory, ["compare", "out", "out/b"], 2, None, "there are results in out/a, out/b")}, {1: 1})
+
     def test_output_that_cannot_be_written(self):
         cases = {}
         for name, way in {"a file in the way": "in.yaml", "a file as parent": "in.yaml/out"}.items():

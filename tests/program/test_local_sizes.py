@@ -15,6 +15,7 @@ Physical Surface("left", 21) = {1};
 Physical Surface("right") = {2};
 Physical Curve("edge") = {10};
 Physical Point("corner") = {1};
+Physical Surface("nowhere") = {Surface In BoundingBox{9e3, 9e3, 9e3, 9.1e3, 9.1e3, 9.1e3}};
 """
 INPUT = """mesh: {{file: {file}, scale: 0.001, size: 0.3{sizes}}}
 bodies: [{{density: 1000, elasticity: {{model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4}}}}]
@@ -32,6 +33,7 @@ SIZES = {
 REFUSED = {
     "unknown": ("cube.geo", "[{surface: fillet, size: 1 mm, distance: 5 mm}]",
                 "names the physical surface 'fillet', but the geometry has only: (left|right), (left|right)"),
+    "empty": ("cube.geo", "[{surface: nowhere, size: 1 mm, distance: 5 mm}]", "names the physical surface 'nowhere', which is empty: .*a box a little larger"),
     "another kind": ("cube.geo", "[{curve: left, size: 10 mm, distance: 5 mm}]", "names the physical curve 'left', but .* only: edge"),
     "unit": ("cube.geo", "[{surface: left, size: 1e-6, distance: 5 mm}]", "check the unit of this size in 'mesh.sizes'"),
     "a mesh": ("cube.msh", "[{surface: left, size: 10 mm, distance: 5 mm}]", "a mesh already, to which 'mesh.sizes' does not apply"),

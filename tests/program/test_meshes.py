@@ -37,6 +37,12 @@ class BadMeshes(MistakesTest):
         self.assertGreaterEqual(len(cases), 100)
         self.judge_all({name: self.case(file, words) for name, file, words in cases[::SAMPLE]}, EVERY_CASE)
 
+    def test_a_variable_that_a_script_does_not_define(self):
+        """What follows from it is not reported: the box without a height."""
+        self.write("box.geo", 'SetFactory("OpenCASCADE");\nheight = 1;\nBox(1) = {0, 0, 0, 1, 1, heigth};\nPhysical Volume("box") = {1};\n')
+        words = r"gmsh could not read it:\n  'box.geo', line 3: Unknown variable 'heigth': correct its name, or define it above that line \('heigth = ...;'\)\n$"
+        self.judge_all({"variable": self.case("box.geo", words)}, EVERY_CASE)
+
     def test_what_is_no_file(self):
         (self.directory / "folder.msh").mkdir()
         os.mkfifo(self.directory / "pipe.msh")

@@ -126,7 +126,8 @@ class Sweep(ProgramTest):
 
     def test_results_of_columns_that_no_run_has(self):
         """Before anything runs; a column of some of the runs does, and a run that cannot begin says why itself."""
-        for column, expected in (("tip_q", "history.csv has no column 'tip_q' (did you mean 'tip_"), ("clamp_fq", "(did you mean 'clamp_f")):
+        for column, expected in (("tip_q", "history.csv has no column 'tip_q' (did you mean 'tip_"), ("clamp_fq", "(did you mean 'clamp_f"),
+                                 ("tip_z_displacement", "(did you mean 'tip_z'?)"), ("speed", "; it has step, time, ")):
             done = self.sweep("time.step=[5 ms, 10 ms]", options=("--result", f"max({column})"), code=2)
             self.assertIn(f"--result max({column}): history.csv has no column ", done.stderr)
             self.assertIn(expected, done.stderr)

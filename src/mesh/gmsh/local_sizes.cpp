@@ -19,6 +19,17 @@ struct KindOfGroup {
 constexpr std::array<KindOfGroup, 3> kinds_of_groups{
     {{"point", "PointsList"}, {"curve", "CurvesList"}, {"surface", "SurfacesList"}}};
 
+/// Groups that hold nothing have a name, and are not among gmsh's groups.
+bool is_empty_group(int dimension, const std::string& wanted) {
+  constexpr int most_tags = 10000;
+  for (int tag = 1; tag <= most_tags; ++tag) {
+    std::string name;
+    gmsh::model::getPhysicalName(dimension, tag, name);
+    if (name == wanted) return true;
+  }
+  return false;
+}
+
 /// The entities of the group. Throws MeshDefect with the names that there are.
 std::vector<int> entities_of(const LocalSize& local) {
   gmsh::vectorpair groups;
@@ -36,6 +47,11 @@ std::vector<int> entities_of(const LocalSize& local) {
     names += (names.empty() ? "" : ", ") + (name.empty() ? std::to_string(tag) : name);
   }
   const std::string noun = kinds_of_groups[static_cast<std::size_t>(local.dimension)].noun;
+  if (is_empty_group(local.dimension, local.name)) {
+    throw MeshDefect("'mesh.sizes' names the physical " + noun + " '" + local.name +
+                     "', which is empty: its statement in the geometry selects nothing ('In BoundingBox' needs a box a "
+                     "little larger than what it is to find)");
+  }
   throw MeshDefect("'mesh.sizes' names the physical " + noun + " '" + local.name + "', but the geometry has " +
                    (names.empty() ? "none: name it in a .geo file that loads the geometry" : "only: " + names));
 }

@@ -2,8 +2,11 @@
 
 #include "mesh/serial_mesh.hpp"
 
+#include <algorithm>
 #include <exception>
+#include <functional>
 #include <set>
+#include <string_view>
 #include <vector>
 
 #include <gmsh.h>
@@ -12,6 +15,17 @@ namespace pliant {
 namespace {
 
 constexpr char error_prefix[] = "Error: ";
+
+constexpr std::string_view unknown_variable = "Unknown variable '";
+
+/// What to do about an error that names a variable which the script has not defined; else empty.
+std::string about_unknown_variable(const std::string& error) {
+  const std::size_t at = error.find(unknown_variable);
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + unknown_variable.size();
+  const std::string name = error.substr(begin, error.find('\'', begin) - begin);
+  return ": correct its name, or define it above that line ('" + name + " = ...;')";
+}
 
 // gmsh's log lines read "Level: text".
 std::vector<std::string> logged_errors() {
@@ -23,8 +37,12 @@ std::vector<std::string> logged_errors() {
     if (line.rfind(error_prefix, 0) != 0) continue;
     std::string text = line.substr(sizeof error_prefix - 1);
     if (text.ends_with("OpenCASCADE geometry kernel")) text += ": begin the script with SetFactory(\"OpenCASCADE\");";
+    text += about_unknown_variable(text);
     if (seen.insert(text).second) errors.push_back(std::move(text));
   }
+  // What follows from variables that are not known says nothing more.
+  const auto is_cause = [](const std::string& error) { return error.find(unknown_variable) != std::string::npos; };
+  if (std::ranges::any_of(errors, is_cause)) std::erase_if(errors, std::not_fn(is_cause));
   return errors;
 }
 

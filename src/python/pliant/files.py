@@ -1,4 +1,5 @@
 """HDF5 files that a run may just be writing to."""
+import glob
 import os
 import time
 from collections.abc import Callable
@@ -38,6 +39,15 @@ def refuse_input(path: str) -> None:
         raise PliantError(f"{path} is the text of a post-mortem; its pictures are those of the directory {os.path.dirname(path) or '.'}")
     if ending.lower() in (".yaml", ".yml") and not os.path.isdir(path):
         raise PliantError(f"{path} is an input, not a result: give the directory of its results, such as out/{name}")
+
+
+def results_elsewhere(path: str, name: str) -> str:
+    """Where files of this name are near `path`, up to two directories below it or one above; else empty."""
+    found = sorted(os.path.normpath(os.path.dirname(file)) for depth in ("*", "*/*") for file in glob.iglob(os.path.join(glob.escape(path), depth, name)))
+    if found:
+        return f"; there are results in {', '.join(found[:5] + ['...'] * (len(found) > 5))}"
+    above = os.path.dirname(os.path.abspath(path))
+    return f"; there is one in {os.path.relpath(above)}" if os.path.isfile(os.path.join(above, name)) else ""
 
 
 def text(value: Any) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from . import notebook
 from .checks import path_of
 from .error import FILE, MissingError, PliantError
-from .files import refuse_input
+from .files import refuse_input, results_elsewhere
 
 
 class History(Mapping[str, np.ndarray]):
@@ -23,9 +23,10 @@ class History(Mapping[str, np.ndarray]):
         """`path`: the output directory of a run, or its history.csv."""
         file = path_of(path, "History")
         refuse_input(file)
+        place = file
         file = os.path.join(file, "history.csv") if os.path.isdir(file) else file
         if not os.path.isfile(file):
-            raise PliantError(f"there is no history: {file} does not exist", FILE)
+            raise PliantError(f"there is no history: {file} does not exist{results_elsewhere(place, 'history.csv')}", FILE)
         try:
             with open(file, newline="", encoding="utf-8") as lines:
                 rows = list(csv.reader(line for line in lines if line.endswith("\n")))

@@ -9,7 +9,7 @@ import numpy as np
 from . import notebook
 from .checks import number_of, path_of, positive_of, short
 from .error import FILE, InputError, MissingError, PliantError, did_you_mean
-from .files import opened, refuse_input, text
+from .files import opened, refuse_input, results_elsewhere, text
 from .parts import Field, Joint, Line, Mechanisms, Mesh, MeshGroup, Obstacles, von_mises
 
 
@@ -164,13 +164,14 @@ class Result(Sequence[Frame]):
     @staticmethod
     def _find(path: str) -> str:
         refuse_input(path)
+        place = path
         if os.path.isdir(path):
             of_run, of_post_mortem = (os.path.join(path, name) for name in ("result.h5", "state.h5"))
             path = of_post_mortem if os.path.isfile(of_post_mortem) and not os.path.isfile(of_run) else of_run
         elif path.endswith(".xdmf"):
             path = path[: -len(".xdmf")] + ".h5"
         if not os.path.isfile(path):
-            raise PliantError(f"there is no result: {path} does not exist", FILE)
+            raise PliantError(f"there is no result: {path} does not exist{results_elsewhere(place, 'result.h5')}", FILE)
         return path
 
     @property
