@@ -68,7 +68,8 @@ void require_no_sizes(const MeshSource& source) {
 
 void require_enough_cells(std::int64_t num_cells, int num_ranks) {
   if (num_cells >= num_ranks) return;
-  throw MeshDefect("it has " + std::to_string(num_cells) + " tetrahedra for " + std::to_string(num_ranks) +
+  throw MeshDefect("it has " + std::to_string(num_cells) + (num_cells == 1 ? " tetrahedron" : " tetrahedra") + " for " +
+                   std::to_string(num_ranks) +
                    " ranks, but every rank needs at least one: use fewer ranks or a finer mesh");
 }
 

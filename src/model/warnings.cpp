@@ -200,9 +200,11 @@ void check_angles(const Config& config, Warnings& warnings) {
   };
   for (const ConstraintConfig& c : config.constraints) {
     const auto* rigid = std::get_if<ConstraintConfig::Rigid>(&c.kind);
-    if (rigid == nullptr) continue;
-    const auto* about = std::get_if<RotationConfig::AboutAxis>(&rigid->rotation.kind);
+    const auto* about = rigid != nullptr ? std::get_if<RotationConfig::AboutAxis>(&rigid->rotation.kind) : nullptr;
     if (about != nullptr && about->angle) look(*about->angle, rigid->rotation.where);
+  }
+  for (const JointConfig& j : config.joints) {
+    for (int k = 0; j.type == JointType::hinge && j.limits && k < 2; ++k) look(Expression((*j.limits)[k]), j.where);
   }
   if (!config.contact) return;
   for (const ObstacleConfig& o : config.contact->obstacles) {

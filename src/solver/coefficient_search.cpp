@@ -25,6 +25,9 @@ constexpr double little_nearer = 0.3;
 constexpr int rounds_without_progress = 6;
 constexpr double progress = 0.5;
 constexpr double little_drag = 1e-2;
+/// Drags smaller than this fraction of the forces at work count as that large: a body that leaves the ground has some
+/// of any size, and of friction that small nothing depends.
+constexpr double least_drag = 1e-4;
 /// Fraction of the distance to a wall up to which solutions are extrapolated; at the wall their pressure is infinite.
 constexpr double part_to_wall = 0.5;
 /// Most of Newton's steps between two rounds, and the fraction of the residual's merit that each may at most leave.
@@ -55,7 +58,8 @@ bool CoefficientSearch::is_settled(Vec q) {
 
 double CoefficientSearch::missing_part(Vec q) {
   equation_.drag(q, q, trial_.get());
-  return norm(r_.get()) / std::max(norm(trial_.get()), std::numeric_limits<double>::min());
+  const double least = std::max(least_drag * equation_.force_scale(q), std::numeric_limits<double>::min());
+  return norm(r_.get()) / std::max(norm(trial_.get()), least);
 }
 
 void CoefficientSearch::settle(Vec q, StageReport& report) {

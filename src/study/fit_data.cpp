@@ -57,10 +57,14 @@ Heading heading_of(std::string text) {
   return heading;
 }
 
+/// Rubber breaks at strains of 5 to 15.
+constexpr double largest_plain_strain = 20.0;
+
 /// Where a wanted column is in the table, and how its numbers become what is wanted.
 struct FoundColumn {
   std::size_t place;
   double factor, offset;
+  bool is_plain_strain = false;     ///< without a unit in the header
   std::vector<FoundColumn> others;  ///< that say the same in another form
 
   double value(double number) const { return factor * number + offset; }
@@ -74,10 +78,18 @@ class Table {
   /// The columns that are wanted.
   MeasuredColumns read(std::istream& stream, std::span<const std::vector<ColumnForm>> wanted) {
     auto columns = read(stream, [&](const auto& header, int line) { return columns_of(header, line, wanted); });
-    if (without_unit_.empty()) return {std::move(columns), ""};
-    return {std::move(columns), fmt::format("{}: columns without a unit in the header are read in SI units: {}; state "
-                                            "another as in 'stress [MPa]'",
-                                            file_, joined(without_unit_))};
+    std::string note;
+    if (!without_unit_.empty()) {
+      note = fmt::format(
+          "{}: columns without a unit in the header are read in SI units: {}; state another as in "
+          "'stress [MPa]'",
+          file_, joined(without_unit_));
+    }
+    if (largest_strain_ > largest_plain_strain) {
+      note += fmt::format("{}strains of {:.3g} are {:.0f} %; if they are in per cent, write 'strain [%]' in the header",
+                          note.empty() ? file_ + ": " : "; ", largest_strain_, 100.0 * largest_strain_);
+    }
+    return {std::move(columns), note};
   }
 
   NumberTable read_all(std::istream& stream) {
@@ -86,7 +98,7 @@ class Table {
       std::vector<FoundColumn> all;
       for (const Cell& cell : header) {
         table.names.push_back(unquoted(cell.text));
-        all.push_back({all.size(), 1.0, 0.0, {}});
+        all.push_back({all.size(), 1.0, 0.0, false, {}});
       }
       return all;
     });
@@ -173,7 +185,8 @@ class Table {
         const double factor = unit.empty() ? 1.0 : parse_quantity("1 " + unit, std::string(form.unit));
         const bool is_angular = form.name == "frequency" && unit.starts_with("rad");  // 1 rad is 1
         if (unit.empty() && form.unit != "1") without_unit_.push_back(fmt::format("{} in {}", form.name, form.unit));
-        FoundColumn column{place, is_angular ? factor : form.factor * factor, form.offset, {}};
+        const bool is_plain_strain = unit.empty() && form.name == "strain";
+        FoundColumn column{place, is_angular ? factor : form.factor * factor, form.offset, is_plain_strain, {}};
         if (found) {
           found->others.push_back(std::move(column));
         } else {
@@ -200,6 +213,7 @@ class Table {
            fmt::format("'{}' is not a number; units stand in the header, such as 'stress [MPa]'", excerpt(cell.text)));
       return;
     }
+    if (column.is_plain_strain) largest_strain_ = std::max(largest_strain_, std::abs(*value));
     to.push_back(column.value(*value));
   }
 
@@ -226,6 +240,7 @@ class Table {
   std::vector<Diagnostic> errors_;
   std::vector<int> lines_;  // of the rows
   std::vector<std::string> without_unit_;
+  double largest_strain_ = 0.0;  // of columns of strain without a unit
 };
 
 bool is_directory(const std::string& file) {

@@ -121,7 +121,11 @@ INSTANTIATE_TEST_SUITE_P(
         Doubtful{6,
                  "contact: {obstacles: [{name: a, shape: plane, normal: [0, 0, 1], motion: {rotate: {axis: [0, 0, 1], "
                  "angle: 90}}}]}",
-                 "if degrees are meant, write '90 deg'"}));
+                 "if degrees are meant, write '90 deg'"},
+        Doubtful{6,
+                 "joints: [{name: a, type: hinge, between: [ground, a], point: [0, 0, 0], axis: [0, 0, 1], limits: "
+                 "[-45, 0]}]",
+                 "if degrees are meant, write '-45 deg'"}));
 
 TEST(Advice, BodiesMayBeAtRest) {
   const auto rests = [](const std::string& loads) {

@@ -21,7 +21,7 @@ std::vector<double> stiffness_of_springs(std::span<const double> x) {
 
 /// Springs that harden, r_i = x_i + x_i^3 - 1 + c_i a_(i+1), where a is x, frozen. With |c| > 1 the solutions for
 /// frozen coefficients move away from the common one.
-class Frozen final : public SmallEquation {
+class Frozen : public SmallEquation {
  public:
   Frozen(MPI_Comm comm, double coupling)
       : SmallEquation(comm, SmallFunction{num_springs, nullptr, stiffness_of_springs}),
@@ -76,6 +76,32 @@ TEST_P(CoefficientSearches, FindTheCommonSolutionInAFewSteps) {
   check(VecNorm(r.get(), NORM_2, &left));
   EXPECT_LT(left, 2e-10);
   EXPECT_LE(report.newton_iterations, 20);
+}
+
+/// The same springs with a drag of +-size that jumps where they would be without it: no solution has its own.
+class Jumping final : public Frozen {
+ public:
+  Jumping(MPI_Comm comm, double size) : Frozen(comm, 0.0), size_(size) {}
+  void drag(Vec /*q*/, Vec at, Vec f) override {
+    freeze(at);
+    const ConstArrayView a(at);
+    const ArrayView to(f);
+    for (std::size_t i = 0; i < to.span().size(); ++i) to.span()[i] = a.span()[i] > free_length ? size_ : -size_;
+  }
+
+ private:
+  static constexpr double free_length = 0.68232780382801933;  // x + x^3 = 1
+  double size_;
+};
+
+// As where a body leaves the ground: forces that small decide nothing.
+TEST(CoefficientSearchesOfJumps, FailOnlyWhereTheDragMatters) {
+  for (const double size : {1e-7, 1e-2}) {
+    Jumping equation(PETSC_COMM_WORLD, size);
+    const Handle<Vec> q = equation.filled(0.0);
+    const StageReport report = solve(equation, q.get());
+    EXPECT_EQ(report.outcome == StageOutcome::converged, size == 1e-7) << report.reason;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Couplings, CoefficientSearches, testing::Values(0.0, 0.3, -0.9, 2.0, 3.0));

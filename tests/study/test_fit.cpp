@@ -159,6 +159,18 @@ TEST(Measurements, AreInSIWithoutAUnitAndSayThat) {
   EXPECT_NE(note.find("read in SI units: stress in Pa; state another as in 'stress [MPa]'"), std::string::npos) << note;
 }
 
+TEST(Measurements, AskAboutPerCentWhereStrainsAreBeyondRubber) {
+  const Folder folder;
+  const std::vector<std::vector<ColumnForm>> wanted{{{"stretch", "1"}, {"strain", "1", 1.0, 1.0}}};
+  for (const auto& [text, asks] : {std::pair{"strain\n0.5\n12\n", false},
+                                   {"strain\n50\n100\n", true},
+                                   {"strain [%]\n50\n100\n", false},
+                                   {"stretch\n50\n", false}}) {
+    const auto [columns, note] = read_measurements(folder.write("table.csv", text), {}, wanted);
+    EXPECT_EQ(note.find("strains of 100 are 10000 %; if they are in per cent") != std::string::npos, asks) << note;
+  }
+}
+
 TEST(FitFile, ShippedFitsAreGood) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(source_root() / "input/fit")) {
