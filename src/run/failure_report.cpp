@@ -154,8 +154,14 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
     }
     const auto is_unstable = [](const NewtonIteration& it) { return it.hessian != NewtonIteration::Hessian::exact; };
     if (2 * std::ranges::count_if(*iterations, is_unstable) > num_iterations) {
-      result.push_back(fmt::format("the state is unstable (buckling, strong compression): {}{}", report.shorter_steps,
-                                   report.has_load_steps ? ", or a dynamic analysis instead of load steps" : ""));
+      const char* others =
+          report.has_load_steps ? ", or a dynamic analysis instead of load steps"
+          : report.is_quasistatic
+              ? "; there may be no equilibrium near by at this load: a method with inertia shows where "
+                "it leads, 'method: static' with time.path follows the equilibria past a limit point"
+              : "";
+      result.push_back(
+          fmt::format("the state is unstable (buckling, strong compression): {}{}", report.shorter_steps, others));
     }
   }
   result.push_back(fmt::format("{}, weaker or slower loads, a finer or better mesh", report.shorter_steps));

@@ -88,20 +88,26 @@ double rank_of_residual(double residual) {
   return std::isnan(residual) ? std::numeric_limits<double>::infinity() : residual;
 }
 
+bool is_of_rod(const Model& model, PetscInt cell) {
+  return std::ranges::find(model.rods().rods, model.body_of_cell()[cell], &ModelRod::body) != model.rods().rods.end();
+}
+
+/// Whether the cell's shape says something; that of shells and rigid bodies does not.
+bool has_shape(const Model& model, PetscInt cell) {
+  const auto& with_law = model.bodies_of_elastic();
+  return is_of_rod(model, cell) || std::ranges::find(with_law, model.body_of_cell()[cell]) != with_law.end();
+}
+
 std::vector<ReportedCell> worst_cells(const Model& model, const Picture& picture) {
   const NodeLayout& layout = model.layout();
   const RowBlock rows = row_block(layout.comm, layout.num_owned_cells);
   std::vector<ReportedCell> cells;
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     const DeformedCell& shape = picture.cells[static_cast<std::size_t>(c)];
-    const bool is_of_rod = std::ranges::find(model.rods().rods, model.body_of_cell()[c], &ModelRod::body) !=
-                           model.rods().rods.end();  // meant to be slim
-    const auto& with_law = model.bodies_of_elastic();
-    const bool has_law = std::ranges::find(with_law, model.body_of_cell()[c]) != with_law.end();
-    const bool is_of_shell = !is_of_rod && !has_law;  // or rigid: its shape says nothing
-    ReportedCell cell{.volume_ratio = is_of_shell ? 1.0 : shape.volume_ratio,
-                      .quality = is_of_shell ? 1.0 : shape.quality,
-                      .reference_quality = is_of_rod ? 1.0 : shape.reference_quality,
+    const bool has_one = has_shape(model, c);
+    ReportedCell cell{.volume_ratio = has_one ? shape.volume_ratio : 1.0,
+                      .quality = has_one ? shape.quality : 1.0,
+                      .reference_quality = is_of_rod(model, c) ? 1.0 : shape.reference_quality,  // meant to be slim
                       .body = static_cast<std::size_t>(model.body_of_cell()[c]),
                       .X = shape.X,
                       .row = rows.first + c};
@@ -156,7 +162,8 @@ std::vector<ReportedBody> bodies(const Model& model, const Picture& picture) {
       if (is_in[body][n] != 0) squares += square(picture, n);
     }
     for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
-      if (model.body_of_cell()[c] == static_cast<int>(body)) least = std::min(least, picture.volume_ratio[c]);
+      if (model.body_of_cell()[c] != static_cast<int>(body)) continue;
+      least = std::min(least, has_shape(model, c) ? picture.volume_ratio[c] : 1.0);
     }
     result.push_back({model.body_names()[body], std::sqrt(sum(layout.comm, squares)), minimum(layout.comm, least)});
   }
@@ -194,7 +201,8 @@ std::string write_post_mortem(const Config& config, const Model& model, const St
   report.max_iterations = config.solver.newton.max_iterations;
   const bool is_static = analysis_of(config) == Analysis::static_equilibrium;
   report.has_load_steps = is_static && !config.time.path;
-  const auto sudden = analysis_of(config) == Analysis::quasistatic ? load_at_once(config) : std::nullopt;
+  report.is_quasistatic = analysis_of(config) == Analysis::quasistatic;
+  const auto sudden = report.is_quasistatic ? load_at_once(config) : std::nullopt;
   if (sudden && last_good.step == 0) report.load_at_once = to_string(*sudden);
   report.has_barriers = config.contact && config.contact->has_barrier();
   const auto of_units = warnings_about_units(config);

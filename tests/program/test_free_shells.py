@@ -5,6 +5,7 @@ import sys
 import unittest
 
 import numpy as np
+import yaml
 
 from program import ROOT, ProgramTest, read_history, swept
 from report_file import ReportFile
@@ -381,6 +382,16 @@ cavities:
         self.patch((2, 2), lambda s, t: (s, 0.4 * t, 0.0))
         text = SHAKEN.split("loads:")[0].replace("0]}]\n", "0], name: hold}]\n") + "loads: [{gravity: [0, 0, -10], volume: flag}]\n"
         np.testing.assert_allclose(self.end_of(text)["hold_fz"], 0.4 * 0.02 * 1000 * 10, rtol=1e-6)
+
+    def test_a_post_mortem_says_nothing_of_what_stands_for_the_triangles(self):
+        self.patch((4, 2), lambda s, t: (s, 0.4 * t, 0.0))
+        self.write("in.yaml", SHAKEN.split("loads:")[0] + """loads: [{gravity: [0, 0, -1000]}]
+time: {method: static, load_steps: 1}
+solver: {newton: {max_iterations: 1}}
+""")
+        self.pliant("run", "in.yaml", "-o", "out", status=3)
+        report = yaml.safe_load((self.directory / "out/post-mortem/report.yaml").read_text())
+        self.assertEqual([body["volume_ratio"] for body in report["bodies"]], [1.0])
 
     def test_what_is_refused(self):
         self.patch((4, 2), lambda s, t: (s, 0.4 * t, 0.0))

@@ -38,6 +38,9 @@ TEST(Advice, ADynamicAnalysisIsForThoseThatHaveNone) {
   EXPECT_FALSE(asks_for("a dynamic analysis", report, failure));
   report.has_load_steps = true;
   EXPECT_TRUE(asks_for("or a dynamic analysis instead of load steps", report, failure));
+  report.has_load_steps = false;
+  report.is_quasistatic = true;
+  EXPECT_TRUE(asks_for("'method: static' with time.path follows the equilibria past a limit point", report, failure));
 }
 
 TEST(Advice, SpeaksOfBarriersWhereThereAreSome) {
