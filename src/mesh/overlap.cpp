@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <compare>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 namespace pliant {
@@ -160,6 +161,23 @@ std::uint64_t hash_of(DM dm, PetscInt point, std::span<const std::int64_t> verti
   return sum;
 }
 
+/// The owner of the first vertex of the point that belongs to one of `ranks`: it has a node of the point, where that is
+/// possible. Nothing for cells, which have owners.
+std::optional<int> owner_of_ends(DM dm, PetscInt point, std::span<const int> owner_of_vertex,
+                                 std::span<const int> ranks) {
+  const PointRange vertices = stratum(dm, 0);
+  std::vector<PetscInt> ends;
+  for (const PetscInt p : Closure(dm, point)) {
+    if (vertices.contains(p)) ends.push_back(p);
+  }
+  std::ranges::sort(ends);
+  for (const PetscInt v : ends) {
+    const int owner = owner_of_vertex[static_cast<std::size_t>(v - vertices.begin)];
+    if (std::ranges::find(ranks, owner) != ranks.end()) return owner;
+  }
+  return std::nullopt;
+}
+
 /// Answers of the ranks to the questions, in their order. Collective.
 template <class Answer>
 std::vector<PetscSFNode> asked(MPI_Comm comm, const std::vector<std::vector<Question>>& questions, Answer answer) {
@@ -225,13 +243,20 @@ void set_owners(MPI_Comm comm, DM dm, const OverlappingCells& cells) {
   const std::vector<GhostPoint> ghosts = points_of_ghosts(dm, cells);
   // The owner of a point of own cells is one of the ranks around it, all of which know this.
   std::vector<int> owner_of_touching(ghosts.size(), -1);
+  const PointRange vertices = stratum(dm, 0);  // before edges and facets, in ascending order of numbers
+  std::vector<int> owner_of_vertex(static_cast<std::size_t>(vertices.size()), me);
   for (std::size_t first = 0, last = 0; first < ghosts.size(); first = last) {
     std::vector<int> ranks{me};
     for (; last < ghosts.size() && ghosts[last].point == ghosts[first].point; ++last)
       ranks.push_back(ghosts[last].rank);
     if (touches_own[static_cast<std::size_t>(ghosts[first].point)] == 0) continue;
     std::ranges::sort(ranks);
-    const int owner = ranks[hash_of(dm, ghosts[first].point, cells.block.vertices) % ranks.size()];
+    int owner = ranks[hash_of(dm, ghosts[first].point, cells.block.vertices) % ranks.size()];
+    if (vertices.contains(ghosts[first].point)) {
+      owner_of_vertex[static_cast<std::size_t>(ghosts[first].point - vertices.begin)] = owner;
+    } else {
+      owner = owner_of_ends(dm, ghosts[first].point, owner_of_vertex, ranks).value_or(owner);
+    }
     for (std::size_t i = first; i < last; ++i) {
       if (ghosts[i].rank == owner) owner_of_touching[i] = owner;
     }

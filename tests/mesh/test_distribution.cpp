@@ -4,6 +4,7 @@
 #include "mesh/plex_points.hpp"
 #include "mesh/scratch.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -169,6 +170,24 @@ TEST_P(DistributedBox, EveryGhostPointNamesTheSamePointOfItsOwner) {
   check(PetscSFBcastEnd(sf, place, here.data(), of_owner.data(), MPI_REPLACE));
   check_mpi(MPI_Type_free(&place));
   for (std::size_t i = 0; i < here.size(); ++i) EXPECT_NEAR(here[i], of_owner[i], 1e-14);
+}
+
+// Cells on both sides of an owned facet are then among those of own nodes. (A third rank may own all vertices of a
+// facet.)
+TEST_P(DistributedBox, OfTwoRanksTheOwnerOfAPointOwnsAVertexOfIt) {
+  const Mesh mesh = read();
+  const PlexPoints points(mesh.dm.get());
+  if (num_ranks(comm) > 2) return;
+  for (const int dimension : {1, 2}) {
+    for (PetscInt p = points.begin(dimension); p < points.end(dimension); ++p) {
+      const auto vertices = points.closure(p, 0);
+      const bool has_own =
+          std::any_of(vertices.begin(), vertices.end(), [&](PetscInt v) { return points.is_owned(v); });
+      const auto around = points.star(p, 3);
+      const bool is_shared = std::any_of(around.begin(), around.end(), [&](PetscInt c) { return !points.is_owned(c); });
+      EXPECT_TRUE(has_own || !is_shared || !points.is_owned(p));
+    }
+  }
 }
 
 TEST_P(DistributedBox, TheCornersOfACellAreThoseOfItsClosure) {

@@ -273,6 +273,21 @@ time: {method: bdf2, step: 2 ms, end: 2 ms}
 """))
         self.assertEqual(read_history(self.directory / "out/pad")["time"][-1], 2e-3)
 
+    def test_ranks_without_a_rod_beside_quadratic_elements(self):
+        write_box(self.directory / "pad.msh", (3, 1, 1), (0.3, 0.1, 0.1))
+        self.write("pad.yaml", """
+mesh: {file: pad.msh}
+element: P2
+bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 100 kPa, poissons_ratio: 0.3}}]
+constraints: [{surface: bottom, displacement: [0, 0, 0]}]
+rods: [{name: w, points: [[0.7, 0.1, 0.1], [0.8, 0.1, 0.1]], segments: 2, radius: 4 mm, density: 1500, youngs_modulus: 10 MPa, poissons_ratio: 0.3, start: ground}]
+loads: [{gravity: [0, 0, -9.81]}]
+time: {method: bdf2, step: 2 ms, end: 4 ms}
+""")
+        alone, shared = (self.run_input("pad.yaml", ranks=ranks, timeout=60) for ranks in (1, 2))
+        for column in ("elastic_energy", "kinetic_energy"):
+            np.testing.assert_allclose(shared[column], alone[column], rtol=1e-6)
+
     def test_turns_of_a_prescribed_rotation_are_kept(self):
         # The torque is G J/L times the angle, more than a turn, however long the steps: they are cut where they turn by half a turn or more.
         rod = "points: [[0, 0, 0], [1, 0, 0]], segments: 8, radius: 10 mm, youngs_modulus: 2.6 MPa, poissons_ratio: 0.3, density: 1000"

@@ -30,7 +30,6 @@ void Rods::turn_frames(Vec q) const {
       }
     }
   }
-  if (middles_.empty()) return;
   update_ghosts(q);
   const ConstGhostedView view(q);
   const std::vector<double> u(view.span().begin(), view.span().end());
