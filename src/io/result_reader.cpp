@@ -124,7 +124,7 @@ std::filesystem::path result_file(const std::filesystem::path& place) {
   }
   if (!std::filesystem::is_regular_file(file, ignored)) {
     throw FileError(
-        fmt::format("there is no result: '{}' does not exist{}", file.string(), results_elsewhere(place, "result.h5")));
+        fmt::format("no result: '{}' does not exist{}", file.string(), results_elsewhere(place, "result.h5")));
   }
   return file;
 }

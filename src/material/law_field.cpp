@@ -39,6 +39,8 @@ std::unique_ptr<LawField> make_law_field(const ElasticLawSpec& uniform) {
 
 std::unique_ptr<LawField> make_law_field(const ElasticLawSpec& common, std::size_t num_packs,
                                          const std::function<ElasticLawSpec(std::size_t, int)>& at) {
+  // What a field says of a body without points here is never used, but it is asked.
+  if (num_packs == 0) return make_law_field(typical_law(common.row));
   return kind_of(common.row).field(num_packs, at);
 }
 

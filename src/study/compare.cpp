@@ -111,8 +111,7 @@ class Comparison {
   void read(const std::string& run) {
     const fs::path path = run;
     if (!fs::exists(path))
-      throw FileError(
-          fmt::format("there is no result: '{}' does not exist{}", run, results_elsewhere(path, "history.csv")));
+      throw FileError(fmt::format("no result: '{}' does not exist{}", run, results_elsewhere(path, "history.csv")));
     const fs::path file = fs::is_directory(path) ? path / "history.csv" : path;
     // "out/a/." and "out/a/" are called a.
     const fs::path named = fs::is_directory(path) ? fs::weakly_canonical(path) : path.parent_path();

@@ -1,6 +1,7 @@
 // What every law must satisfy, run over the registry's list.
 #include "material/law_field.hpp"
 #include "material/registry.hpp"
+#include "material/volume_split.hpp"
 #include "states.hpp"
 
 #include <gtest/gtest.h>
@@ -194,6 +195,14 @@ TYPED_TEST(EveryLaw, FieldTakesItsParametersFromThePoint) {
       EXPECT_LE(relative_difference(psi[lane], expected), 1e-13);
     }
   }
+}
+
+/// As on a rank that has no cell of a body with varying constants.
+TYPED_TEST(EveryLaw, FieldOfNoPointAnswers) {
+  ElasticLawSpec kind = typical_law(row_of<TypeParam>());
+  const bool is_expected = is_isochoric(*make_law_field(kind));
+  kind.parameters.clear();
+  EXPECT_EQ(is_isochoric(*make_law_field(kind, 0, [&](std::size_t, int) { return kind; })), is_expected);
 }
 
 }  // namespace

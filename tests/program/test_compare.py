@@ -55,7 +55,7 @@ class Compare(ProgramTest):
         self.assertEqual({row["run"] for row in same}, {"coarse (2)", "coarse (3)"})
         self.assertFalse((self.directory / "same/tip_z_difference.svg").exists())
         (self.directory / "empty").mkdir()
-        for arguments, code, expected in ((("coarse", "nowhere"), 4, "there is no result: 'nowhere' does not exist"),
+        for arguments, code, expected in ((("coarse", "nowhere"), 4, "no result: 'nowhere' does not exist"),
                                           (("coarse", "empty"), 2, "empty: it has no history"),
                                           (("coarse", "fine", "--of", "tip_q"), 2, "no run has this column (did you mean 'tip_")):
             told = self.compare(*arguments, code=code)

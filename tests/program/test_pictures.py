@@ -109,8 +109,8 @@ output: {fields: [displacement, von_mises_stress, volume_ratio]}
     def test_errors_in_one_line(self):
         synthetic.write_result(self.out, num_frames=1, order=1, cubes=(2, 1, 1))
         synthetic.write_history(self.out, num_steps=2)
-        self.fails(4, "^pliant render: there is no result: missing does not exist$", "render", "missing")
-        self.fails(4, "^pliant plot: there is no history: .*history.csv does not exist", "plot", self.directory)
+        self.fails(4, "^pliant render: no result: missing does not exist$", "render", "missing")
+        self.fails(4, "^pliant plot: no history: .*history.csv does not exist", "plot", self.directory)
         self.fails(2, "^pliant render: in/finger.yaml is an input, not a result: give the directory of its results, such as out/finger$", "render", "in/finger.yaml")
         self.fails(2, "^pliant plot: finger.yaml is an input", "plot", "finger.yaml")
         self.fails(2, "--sise.*see pliant render --help", "render", "out", "--sise", "3")

@@ -235,7 +235,7 @@ class Report(ProgramTest):
     def test_mistakes(self):
         done = self.call("report", self.directory / "missing")
         self.assertEqual(done.returncode, 4)
-        self.assertRegex(done.stderr, r"^there is no result: '.*' does not exist\n$")
+        self.assertRegex(done.stderr, r"^no result: '.*' does not exist\n$")
         done = self.call("report", self.write("bar.h5", "no HDF5"))
         self.assertEqual((done.returncode, done.stderr.count("\n")), (4, 1), done.stderr)
         done = self.call("report", self.out, "--output", self.directory / "no" / "report.html")

@@ -26,7 +26,7 @@ class History(Mapping[str, np.ndarray]):
         place = file
         file = os.path.join(file, "history.csv") if os.path.isdir(file) else file
         if not os.path.isfile(file):
-            raise PliantError(f"there is no history: {file} does not exist{results_elsewhere(place, 'history.csv')}", FILE)
+            raise PliantError(f"no history: {file} does not exist{results_elsewhere(place, 'history.csv')}", FILE)
         try:
             with open(file, newline="", encoding="utf-8") as lines:
                 rows = list(csv.reader(line for line in lines if line.endswith("\n")))

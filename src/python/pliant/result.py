@@ -171,7 +171,7 @@ class Result(Sequence[Frame]):
         elif path.endswith(".xdmf"):
             path = path[: -len(".xdmf")] + ".h5"
         if not os.path.isfile(path):
-            raise PliantError(f"there is no result: {path} does not exist{results_elsewhere(place, 'result.h5')}", FILE)
+            raise PliantError(f"no result: {path} does not exist{results_elsewhere(place, 'result.h5')}", FILE)
         return path
 
     @property
