@@ -189,7 +189,8 @@ std::vector<PetscSFNode> asked(MPI_Comm comm, const std::vector<std::vector<Ques
   return exchanged(comm, answers, num_answered, num_asked);
 }
 
-/// Asks rank `of(point)` about each of these points; its answers become their owners. Collective.
+/// Asks `rank_to_ask` of each of these points about it, if that is one (>= 0); its answers become their owners.
+/// Collective.
 template <class Rank, class Answer>
 void learn_owners(MPI_Comm comm, std::span<const GhostPoint> points, Rank rank_to_ask, Answer answer,
                   std::vector<PetscSFNode>& owners) {
