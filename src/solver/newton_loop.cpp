@@ -22,6 +22,9 @@ constexpr double fast_fall = 0.5;
 /// After so many iterations with projected barriers from the start the residual no longer falls: negative curvature may
 /// lead on.
 constexpr int most_projecting = 3;
+/// A step with the Hessian of the iterate before leaves twice the part of the residual that the last step has left, as
+/// far as the Hessian changes linearly; this is the margin on it.
+constexpr double margin_of_kept_hessian = 5.0;
 /// Relative tolerance of linear systems whose solutions are taken as whole steps: with errors in stiff directions, a
 /// step along soft ones would cause large forces.
 constexpr double tolerance_of_whole_steps = 1e-8;
@@ -56,7 +59,7 @@ KSP linear_solver_of(SNES snes) {
 StageReport NewtonLoop::run(Vec q) {
   const double before = statistics_.factorization_seconds + statistics_.assembly_seconds + statistics_.solve_seconds;
   double total = 0.0;
-  is_at_rounding_ = false;
+  is_at_rounding_ = has_old_hessian_ = false;
   num_at_wall_ = num_projecting_ = 0;
   line_search_.begin();
   {
@@ -86,6 +89,13 @@ void NewtonLoop::linearize(Vec q) {
   const bool hovers = num_projecting_ >= most_projecting;
   const bool projects = goes_on_projecting() && !hovers;
   const bool descends = objective_.aim() == Aim::descent;
+  has_old_hessian_ = !has_old_hessian_ && !projects && keeps_hessian();
+  if (has_old_hessian_) {
+    num_projecting_ = 0;
+    set_tolerance();
+    (void)system_.prepare(q);
+    return;
+  }
   if (!projects) system_.assemble(q, descends ? Projection::positive_semidefinite : Projection::none);
   if (adapts_tolerance_) set_tolerance();
   objective_.scale_merit(system_.sparse_matrix());
@@ -95,6 +105,19 @@ void NewtonLoop::linearize(Vec q) {
   if (is_prepared) return;
   check(SNESSetJacobianDomainError(snes_.get()));
   check(SNESSetCheckJacobianDomainError(snes_.get(), PETSC_TRUE));
+}
+
+// With the error e of an iterate, Newton's step leaves K'(e, e)/2, and a step with the Hessian of the iterate before
+// K'(e, e'), e' the next error (Ortega & Rheinboldt 1970, 10.2: the chord method).
+bool NewtonLoop::keeps_hessian() const {
+  const auto& iterations = log_.iterations();
+  const Escalation& escalation = system_.escalation();
+  const bool is_exact = !escalation.is_projected() && !escalation.is_shifted();
+  const bool may = adapts_tolerance_ && !equation_.is_static() && !system_.factor().wants_factor() &&
+                   (objective_.aim() == Aim::minimum || objective_.aim() == Aim::root);
+  if (!may || !is_exact || iterations.size() < 2 || last_length_ != 1.0) return false;
+  const double before = iterations[iterations.size() - 2].residual, now = iterations.back().residual;
+  return 2.0 * margin_of_kept_hessian * now * now <= before * convergence_.target();
 }
 
 bool NewtonLoop::goes_on_projecting() const {
@@ -113,6 +136,12 @@ void NewtonLoop::search(SNESLineSearch search) {
     system_.improve_poor_factor(q, r, y);
     system_.note_solve();
     if (system_.has_direction(r) && go_along(q, r, y, search)) return;
+    if (has_old_hessian_) {
+      has_old_hessian_ = false;
+      system_.assemble(q);
+      if (system_.prepare(q)) system_.solve(r, y);
+      continue;
+    }
     if (!system_.escalate(q)) break;
     system_.solve(r, y);
   }

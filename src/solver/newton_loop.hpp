@@ -74,6 +74,8 @@ class NewtonLoop final : public Iteration {
   Handle<SNES> make_snes(Mat K, const NewtonOptions& options, LinearKind linear);
 
   void linearize(Vec q);
+  /// Whether the Hessian of the iterate before is near enough to that of this one for the step to the solution.
+  bool keeps_hessian() const;
   /// Whether the Hessian is likely to need projected barriers, as in the last iteration of this run.
   bool goes_on_projecting() const;
   /// Sets the tolerance of the next linear system.
@@ -103,6 +105,7 @@ class NewtonLoop final : public Iteration {
   int limit_ = 0;                 // most iterations of a run, those that end at a wall not counted
   int num_at_wall_ = 0;           // iterations of this run that did
   int num_projecting_ = 0;        // iterations of this run, the last ones, with projected barriers from the start
+  bool has_old_hessian_ = false;  // the linear system has the Hessian of the iterate before
   double last_length_ = 0.0;      // length of the last accepted step, relative to the full Newton step
   bool is_at_rounding_ = false;   // the last line search of this run ended there
   bool has_direction_ = false;    // there was a direction in this stage

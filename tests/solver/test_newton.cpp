@@ -344,5 +344,53 @@ TEST_F(Newton, AKeptFactorizationRotatesWithTheBody) {
   EXPECT_LT(work[true], 0.7 * work[false]);
 }
 
+/// No force at all: it counts its Hessians.
+class Counter final : public EnergyTerm {
+ public:
+  Counter(const Solid&, int* number) : number_(number) {}
+  std::string_view name() const override { return "counter"; }
+  TermDeclaration declaration() const override { return {.account = Account::load}; }
+  double value(const LocalStage&, std::span<const double>) const override { return 0.0; }
+  void add_gradient(const LocalStage&, std::span<const double>, std::span<double>) const override {}
+  void add_hessian(const LocalStage&, std::span<const double>, const BlockWriter&, Projection) const override {
+    ++*number_;
+  }
+
+ private:
+  int* number_;
+};
+
+// Near the solution the Hessian of the iterate before is as good as a new one, however far a stage is solved.
+TEST_F(Newton, TheLastStepNeedsNoNewHessian) {
+  const double dt = 0.01, speed = 3.0;
+  std::map<double, Handle<Vec>> ends;
+  for (const double relative : {1e-6, 1e-11}) {
+    int num_hessians = 0;
+    ProblemSpec spec = clamped(make_law("neo-hookean", 1e5, 0.3));
+    spec.density = 1000.0;
+    spec.newton.relative = relative;
+    spec.loads = with_term<Counter>(&num_hessians);
+    Problem problem(comm, mesh(3), spec);
+    auto& q = ends[relative];
+    q = problem.solid().vector(test::at_rest);
+    const auto q0 = problem.solid().vector(test::at_rest);
+    const auto v = problem.solid().vector([&](const Point& X) { return Point{0.0, 0.0, speed * X[0]}; });
+    int num_iterations = 0;
+    for (int step = 1; step <= 10; ++step) {
+      const auto report = problem.solve(step * dt, dt, q0, v, q);
+      ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
+      num_iterations += report.newton_iterations;
+      check(VecWAXPY(v.get(), -1.0, q0.get(), q.get()));
+      check(VecScale(v.get(), 1.0 / dt));
+      check(VecCopy(q.get(), q0.get()));
+    }
+    EXPECT_LE(num_hessians, 0.8 * num_iterations);
+  }
+  const double size = test::norm(ends[1e-11].get());
+  check(VecAXPY(ends[1e-6].get(), -1.0, ends[1e-11].get()));
+  EXPECT_GT(size, 0.1);
+  EXPECT_LE(test::norm(ends[1e-6].get()), 1e-5 * size);
+}
+
 }  // namespace
 }  // namespace pliant::test_newton
