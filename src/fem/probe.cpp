@@ -153,58 +153,74 @@ class PointGrid {
 
 constexpr double not_here = std::numeric_limits<double>::infinity();
 
-/// The locations in the owned cells that contain the points; without nodes where none does.
+/// A location, and by what it is chosen among those of all ranks: the lowest entries, one after another.
+struct PlaceFound {
+  ProbeLocation location;
+  std::array<double, 4> order{not_here, not_here, not_here, not_here};
+};
+
+/// The locations in the owned cells that contain the points, of several in the one with the lowest number in the whole
+/// mesh; without nodes where none does.
 template <int Order>
-std::vector<ProbeLocation> locate_in_cells(const NodeLayout& layout, std::span<const Point> points,
-                                           std::span<const char> is_left_out) {
-  std::vector<ProbeLocation> locations(points.size());
-  for (ProbeLocation& location : locations) location.distance = not_here;
-  std::vector<double> depths(points.size(), -1e-9);
+std::vector<PlaceFound> locate_in_cells(const NodeLayout& layout, std::span<const Point> points,
+                                        std::span<const char> is_left_out) {
+  constexpr double rounding = 1e-9;
+  std::vector<PlaceFound> found(points.size());
+  for (PlaceFound& place : found) place.location.distance = not_here;
   const PointGrid grid(points);
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     if (is_out(is_left_out, c)) continue;
+    const auto number = static_cast<double>(layout.cell_numbers[c]);
     grid.in(box_of(layout, c), [&](std::size_t p) {
+      if (number > found[p].order[1]) return;
       const auto nodes = layout.nodes_of_cell(c);
-      const CellMap<Order> map{layout, nodes};
-      const Point xi = map.inverse(points[p]);
-      if (!(depth(xi) > depths[p])) return;
-      depths[p] = depth(xi);
+      const Point xi = CellMap<Order>{layout, nodes}.inverse(points[p]);
+      if (!(depth(xi) > -rounding)) return;
       const auto N = Tet<Order>::values(xi);
-      locations[p] = {{nodes.begin(), nodes.end()}, {N.begin(), N.end()}, c, 0.0};
+      found[p] = {{{nodes.begin(), nodes.end()}, {N.begin(), N.end()}, c, 0.0}, {0.0, number}};
     });
   }
-  return locations;
+  return found;
 }
 
-/// The location at the owned node nearest to X.
-ProbeLocation locate_at_node(const NodeLayout& layout, const Point& X, std::span<const char> is_left_out) {
-  ProbeLocation best;
-  best.distance = not_here;
+/// The location at the owned node nearest to X, of several at the one with the lowest coordinates.
+PlaceFound locate_at_node(const NodeLayout& layout, const Point& X, std::span<const char> is_left_out) {
+  PlaceFound best;
+  best.location.distance = not_here;
   for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
     if (is_out(is_left_out, c)) continue;
     for (const PetscInt n : layout.nodes_of_cell(c)) {
       if (n >= layout.num_owned_nodes) continue;
-      const double d = distance(X, layout.position(n));
-      if (d < best.distance) best = {{n}, {1.0}, c, d};
+      const Point at = layout.position(n);
+      const double d = distance(X, at);
+      const std::array<double, 4> order{d, at[0], at[1], at[2]};
+      if (order > best.order) continue;
+      const bool is_same = order == best.order;
+      if (is_same && layout.cell_numbers[c] > layout.cell_numbers[best.location.cell]) continue;
+      best = {{{n}, {1.0}, c, d}, order};
     }
   }
   return best;
 }
 
-/// Keeps each location only on the rank where it is nearest. Collective.
-void keep_nearest(MPI_Comm comm, std::span<ProbeLocation* const> locations) {
-  struct Candidate {
-    double distance;
-    int rank;
+/// Keeps each location only on the rank where its order is lowest. Collective.
+void keep_first(MPI_Comm comm, std::span<PlaceFound> places) {
+  std::vector<char> is_first(places.size(), 1);
+  std::vector<double> mine(places.size()), lowest(places.size());
+  const auto reduce = [&](auto entry_of) {
+    for (std::size_t p = 0; p < places.size(); ++p) mine[p] = is_first[p] != 0 ? entry_of(places[p]) : not_here;
+    check_mpi(MPI_Allreduce(mine.data(), lowest.data(), static_cast<int>(mine.size()), MPI_DOUBLE, MPI_MIN, comm));
+    for (std::size_t p = 0; p < places.size(); ++p) {
+      if (mine[p] > lowest[p]) is_first[p] = 0;
+    }
   };
-  std::vector<Candidate> mine;
-  for (const ProbeLocation* location : locations) mine.push_back({location->distance, rank(comm)});
-  std::vector<Candidate> nearest(mine.size());
-  check_mpi(
-      MPI_Allreduce(mine.data(), nearest.data(), static_cast<int>(mine.size()), MPI_DOUBLE_INT, MPI_MINLOC, comm));
-  for (std::size_t p = 0; p < locations.size(); ++p) {
-    if (nearest[p].rank != mine[p].rank) *locations[p] = {};
-    locations[p]->distance = nearest[p].distance;
+  for (std::size_t k = 0; k < 4; ++k) {
+    reduce([&](const PlaceFound& place) { return place.order[k]; });
+    for (std::size_t p = 0; k == 0 && p < places.size(); ++p) places[p].location.distance = lowest[p];
+  }
+  reduce([&](const PlaceFound&) { return static_cast<double>(rank(comm)); });
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    if (is_first[p] == 0) places[p].location = {{}, {}, -1, places[p].location.distance};
   }
 }
 
@@ -220,17 +236,18 @@ std::array<double, 3> ProbeLocation::interpolate(std::span<const double> local) 
 
 std::vector<ProbeLocation> locate(const NodeLayout& layout, std::span<const std::array<double, 3>> points,
                                   std::span<const char> is_left_out) {
-  std::vector<ProbeLocation> locations = layout.order == 1 ? locate_in_cells<1>(layout, points, is_left_out)
-                                                           : locate_in_cells<2>(layout, points, is_left_out);
-  std::vector<ProbeLocation*> all, outside;
-  for (ProbeLocation& location : locations) all.push_back(&location);
-  keep_nearest(layout.comm, all);
+  std::vector<PlaceFound> found = layout.order == 1 ? locate_in_cells<1>(layout, points, is_left_out)
+                                                    : locate_in_cells<2>(layout, points, is_left_out);
+  keep_first(layout.comm, found);
+  std::vector<PlaceFound> outside;
   for (std::size_t p = 0; p < points.size(); ++p) {
-    if (locations[p].distance != not_here) continue;
-    locations[p] = locate_at_node(layout, points[p], is_left_out);
-    outside.push_back(&locations[p]);
+    if (found[p].location.distance == not_here) outside.push_back(locate_at_node(layout, points[p], is_left_out));
   }
-  keep_nearest(layout.comm, outside);
+  keep_first(layout.comm, outside);
+  std::vector<ProbeLocation> locations;
+  for (auto next = outside.begin(); PlaceFound & place : found) {
+    locations.push_back(std::move((place.location.distance == not_here ? *next++ : place).location));
+  }
   return locations;
 }
 

@@ -21,7 +21,8 @@ struct ProbeLocation {
   std::array<double, 3> interpolate(std::span<const double> local) const;
 };
 
-/// Locates the points (the same on every rank) in the mesh; a point outside gets the nearest node. `is_left_out`: per
+/// Locates the points (the same on every rank) in the mesh, in the cell with the lowest number in the whole mesh among
+/// those that contain it; a point outside gets the nearest node. The same on any number of ranks. `is_left_out`: per
 /// local cell; empty: none is. Collective.
 std::vector<ProbeLocation> locate(const NodeLayout& layout, std::span<const std::array<double, 3>> points,
                                   std::span<const char> is_left_out = {});

@@ -102,6 +102,21 @@ TEST_P(Probes, AtEveryNodeReadThatNode) {
   }
 }
 
+TEST_P(Probes, AtNodesAreInTheSameCellOnAnyRanks) {
+  const Body whole(MPI_COMM_SELF, file_, GetParam().order);
+  std::vector<Point> places{{1.3, 1.2, 1.1}, {0.5, 1.5, -0.5}, {-1.0, 0.5, 0.5}};  // outside: near several nodes
+  for (PetscInt a = 0; a < whole.layout.num_owned_nodes; ++a) places.push_back(whole.layout.position(a));
+  const auto number_of = [](const Body& body, const ProbeLocation& found) {
+    return found.cell < 0 ? -1.0 : static_cast<double>(body.layout.cell_numbers[found.cell]);
+  };
+  const auto found = locate(layout_, places), expected = locate(whole.layout, places);
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    EXPECT_EQ(maximum(comm, number_of(body_, found[p])), number_of(whole, expected[p]));
+    const Point x = read(found[p], layout_.coordinates), y = expected[p].interpolate(whole.layout.coordinates);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(x[i], y[i], 1e-14);
+  }
+}
+
 TEST_P(Probes, OutsideTakeTheNearestNodeAndSayHowFar) {
   const Point X{1.3, 1.2, 1.1};
   double nearest = HUGE_VAL;
