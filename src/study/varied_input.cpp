@@ -79,12 +79,32 @@ std::optional<double> number_of(const InputNode& node, const std::string& unit) 
   }
 }
 
+bool is_of_other_sections(const std::vector<std::string>& parts) {
+  return !parts.empty() && std::ranges::find(other_sections, parts.front()) != other_sections.end();
+}
+
+/// Keys of the numbers at or below a node that may be varied. Entries of lists go by the names that `key` has.
+void add_numbers_below(const InputNode& node, const std::string& path, const std::string& key,
+                       std::vector<std::string>& paths) {
+  const auto parts = parts_of(path);
+  if (is_of_other_sections(parts)) return;
+  if (number_of(node, unit_of(key_info(parts)))) paths.push_back(path);
+  for (std::size_t k = 0; k < node.children.size(); ++k) {
+    const InputNode& child = node.children[k];
+    const InputNode* name = node.kind == InputNode::Kind::list ? child.find("name") : nullptr;
+    const bool is_by_name = name != nullptr && key.find('.' + name->text) != std::string::npos;
+    const std::string part = is_by_name                           ? name->text
+                             : node.kind == InputNode::Kind::list ? std::to_string(k)
+                                                                  : child.key;
+    add_numbers_below(child, path.empty() ? part : path + '.' + part, key, paths);
+  }
+}
+
 /// `as_typed`: the user's tree, `as_read`: with all defaults, perhaps in another form.
 VariedNumber number_at(const InputNode& as_typed, const InputNode& as_read, const std::string& key,
                        const Location& where) {
   const auto parts = parts_of(key);
-  const auto is_of = [&](std::string_view section) { return !parts.empty() && parts.front() == section; };
-  if (std::ranges::any_of(other_sections, is_of)) {
+  if (is_of_other_sections(parts)) {
     throw InputError(where, fmt::format("'{}' cannot be varied: mesh, steps and files must be the same for all values; "
                                         "numbers of bodies, loads, constraints or contact can",
                                         key));
@@ -92,7 +112,7 @@ VariedNumber number_at(const InputNode& as_typed, const InputNode& as_read, cons
   const auto is_geometry = [](const std::string& part) {
     return std::ranges::find(geometry_of_rods, part) != geometry_of_rods.end();
   };
-  if (is_of("rods") && std::ranges::any_of(parts, is_geometry)) {
+  if (!parts.empty() && parts.front() == "rods" && std::ranges::any_of(parts, is_geometry)) {
     throw InputError(where, fmt::format("'{}' cannot be varied: the nodes of a rod follow from its points and its "
                                         "section, and the mesh must be the same for all values; compare runs instead "
                                         "(`pliant sweep`)",
@@ -101,9 +121,11 @@ VariedNumber number_at(const InputNode& as_typed, const InputNode& as_read, cons
   const InputNode* node = node_at(as_typed, parts);
   if (node == nullptr) node = node_at(as_read, parts);
   if (node == nullptr) {
-    throw InputError(where, fmt::format("the input has no '{}'; name a number as --set does, such as "
+    std::vector<std::string> known;
+    add_numbers_below(as_read, "", key, known);
+    throw InputError(where, fmt::format("the input has no '{}'{}; name a number as --set does, such as "
                                         "bodies.0.density; `run.yaml` of a run lists all",
-                                        key));
+                                        key, did_you_mean(key, known)));
   }
   const KeyInfo* info = key_info(parts);
   const bool is_counted = info != nullptr && info->type.starts_with("whole number");

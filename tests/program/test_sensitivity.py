@@ -232,7 +232,10 @@ time: {method: dirk22, step: 2 ms, end: 0.01}
         density = "bodies.0.density"
         for words, columns, keys, settings in (
                 ("has no column 'corner_q' (did you mean 'corner_", "corner_q", density, ()),
-                ("the input has no 'bodies.1.density'", "px", "bodies.1.density", ()),
+                ("the input has no 'bodies.1.density' (did you mean 'bodies.0.density'?)", "px", "bodies.1.density", ()),
+                ("(did you mean 'bodies.0.elasticity.poissons_ratio'?)", "px", "bodies.0.elasticity.poisson_ratio", ()),
+                ("(did you mean 'bodies.0.density'?)", "px", "density", ()),
+                ("the input has no 'gamma'; name", "px", "gamma", ()),
                 ("'time.step' cannot be varied", "px", "time.step", ()),
                 ("'title' is", "px", "title", ("title=block",)),
                 ("'bodies.0.elasticity.model' is", "px", "bodies.0.elasticity.model", ()),
