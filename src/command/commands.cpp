@@ -15,6 +15,7 @@
 #include "material/viscosity_registry.hpp"
 #include "model/mesh_source.hpp"
 #include "model/model.hpp"
+#include "model/unknown_counts.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
 #include "petsc/session.hpp"
@@ -145,13 +146,12 @@ Lines description_of(Model& model, const Config& config) {
 
   const LinearKind kind = linear_kind(config, model);
   const Memory memory = predicted_memory(model, kind);
-  const auto prescribed = std::count(model.constraints().prescribed().flags().begin(),
-                                     model.constraints().prescribed().flags().begin() + 3 * layout.num_owned_nodes, 1);
-  const double mine = 3.0 * layout.num_owned_nodes;
+  const UnknownCounts unknowns = count_unknowns(config, model);
+  const auto mine = static_cast<double>(unknowns.mine);
   lines.emplace_back("unknowns");
-  lines.push_back(fmt::format("  {} ({} prescribed), P{} elements; {:.0f} to {:.0f} per rank",
-                              3 * layout.num_global_nodes, sum(layout.comm, static_cast<PetscInt64>(prescribed)),
-                              layout.order, minimum(layout.comm, mine), maximum(layout.comm, mine)));
+  lines.push_back(fmt::format("  {} ({} prescribed), P{} elements; {:.0f} to {:.0f} per rank", unknowns.all,
+                              unknowns.prescribed, layout.order, minimum(layout.comm, mine),
+                              maximum(layout.comm, mine)));
   describe_communication(layout, lines);
   lines.push_back(fmt::format("  linear solver: {}", describe(kind, model.equation().symmetry())));
   lines.push_back(fmt::format("  predicted memory: matrix {}, {} about {}", bytes(memory.matrix),

@@ -1,6 +1,7 @@
 #include "run/run.hpp"
 
 #include "base/file.hpp"
+#include "model/unknown_counts.hpp"
 #include "model/warnings.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
@@ -165,10 +166,9 @@ class Run {
   const char* variable() const { return is_static() ? "load factor" : "t"; }
 
   void introduce() {
-    const NodeLayout& layout = model_.layout();
     console_.print(fmt::format("{}: {}, {} unknowns, {} rank{}", config_.title.empty() ? config_.file : config_.title,
-                               in_words(model_.mesh_report().elements), 3 * layout.num_global_nodes, num_ranks(comm_),
-                               num_ranks(comm_) == 1 ? "" : "s"));
+                               in_words(model_.mesh_report().elements), count_unknowns(config_, model_).all,
+                               num_ranks(comm_), num_ranks(comm_) == 1 ? "" : "s"));
     for (const auto& notice : model_.mesh_report().notices) console_.note(notice);
     for (const auto& diagnostic : model_.diagnostics()) console_.report(diagnostic);
   }

@@ -4,6 +4,7 @@
 #include "input/analysis.hpp"
 #include "input/input.hpp"
 #include "input/loads.hpp"
+#include "model/unknown_counts.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
 #include "run/simulation.hpp"
@@ -111,7 +112,7 @@ class ModesStudy {
     const NodeLayout& layout = model_.layout();
     console_.print(fmt::format("{}: {} tetrahedra, {} unknowns, {} rank{}",
                                config_.title.empty() ? config_.file : config_.title, layout.num_global_cells,
-                               3 * layout.num_global_nodes, num_ranks(layout.comm),
+                               count_unknowns(config_, model_).all, num_ranks(layout.comm),
                                num_ranks(layout.comm) == 1 ? "" : "s"));
     if (!is_loaded_) return;  // what there is to say is about the static problem that stands for the input
     for (const auto& diagnostic : model_.diagnostics()) console_.report(diagnostic);

@@ -89,6 +89,18 @@ class FreeShells(ProgramTest):
     def end_of(self, text, ranks=1):
         return {name: column[-1] for name, column in self.solve(text, "method: static", ranks).items()}
 
+    def test_apexes_are_not_unknowns(self):
+        """A square of 4 x 4 nodes, and of 7 x 7 with those in the middle of the edges, held on one side."""
+        self.patch(3, flat)
+        file = self.write("sheet.yaml", SHAKEN + "time: {method: bdf2, step: 10 ms, end: 10 ms}\n")
+        for element, number, prescribed in (("P1", 48, 12), ("P2", 147, 21)):
+            for ranks in (1, 2):
+                done = self.call("check", file, "--set", f"element={element}", ranks=ranks)
+                self.assertIn(f"unknowns\n  {number} ({prescribed} prescribed), {element} elements", done.stdout, done.stderr)
+            for command in (("run",), ("modes", "--number", "1")):
+                done = self.call(*command, file, "--set", f"element={element}")
+                self.assertIn(f" {number} unknowns, 1 rank", done.stdout, done.stderr)
+
     def test_a_sheet_is_stretched(self):
         # Plane stress, homogeneous on any mesh.
         E, nu, h, stretch = 1e6, 0.3, 1e-3, 1.2
