@@ -129,6 +129,16 @@ class Package(ProgramTest):
             # Another order of nodes, the same nodes.
             np.testing.assert_array_equal(q[np.lexsort(q.T)], u[np.lexsort(u.T)])
 
+    def test_earlier_run(self):
+        """The directory of a run is enough to read it."""
+        pliant.run(INPUT, output="out")
+        run = pliant.Run("out")
+        self.assertEqual((len(run.result), run.history.time[-1], run.summary["outcome"]), (4, 0.03, "done"))
+        self.assertRegex(repr(run), "^Run\\('out': done, 3 steps")
+        self.assertNotIn("what the program printed", run._repr_html_())
+        with self.assertRaisesRegex(pliant.PliantError, "missing/history.csv does not exist"):
+            pliant.Run("missing")
+
     def test_mistakes(self):
         with self.assertRaises(pliant.PliantError) as caught:
             pliant.run(yaml.safe_load(INPUT), {"time.step": "10 m"}, output="out")
@@ -149,9 +159,17 @@ class Package(ProgramTest):
         with self.assertRaises(pliant.PliantError) as caught:
             pliant.run("missing.yaml", ranks=2)
         self.assertEqual(caught.exception.code, 2)
-        for reader in (pliant.Result, pliant.History):
-            with self.assertRaisesRegex(pliant.PliantError, "does not exist"):
+        for reader in (pliant.Result, pliant.History, pliant.Run):
+            with self.assertRaisesRegex(pliant.PliantError, "does not exist") as caught:
                 reader("missing")
+            self.assertEqual(caught.exception.code, 4)
+            self.write("in.yaml", INPUT)
+            with self.assertRaisesRegex(pliant.InputError, "in.yaml is an input, not a result") as caught:
+                reader("in.yaml")
+            self.assertEqual(caught.exception.code, 2)
+        with self.assertRaises(pliant.PliantError) as caught:
+            pliant.Checkpoint(".")
+        self.assertEqual(caught.exception.code, 4)
         with self.assertRaisesRegex(pliant.PliantError, "there is no checkpoint"):
             pliant.Checkpoint(".")
         self.write("text.h5", "no HDF5")

@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 
 from .checks import path_of
-from .error import PliantError
+from .error import FILE, PliantError
 from .files import opened, text
 
 
@@ -19,7 +19,7 @@ class Checkpoint:
         self._h5 = opened(self.file)
         attributes = self._h5.attrs
         if text(attributes.get("format", "")) != "pliant-checkpoint":
-            raise PliantError(f"{self.file} is not a checkpoint of Pliant")
+            raise PliantError(f"{self.file} is not a checkpoint of Pliant", FILE)
         self.step = int(attributes["step"])
         self.time = float(attributes["time"])  #: [s]; of a static run the load factor, or the length of its path
         self.title = text(attributes["title"])
@@ -34,7 +34,7 @@ class Checkpoint:
             return path
         names = [name for name in os.listdir(path) if name.startswith("checkpoint-") and name.endswith(".h5")]
         if not names:
-            raise PliantError(f"there is no checkpoint in {path}")
+            raise PliantError(f"there is no checkpoint in {path}", FILE)
         return os.path.join(path, max(names, key=lambda name: (len(name), name)))
 
     @property

@@ -7,7 +7,7 @@ from typing import Any
 
 import h5py
 
-from .error import FILE, PliantError
+from .error import FILE, InputError, PliantError
 
 
 def opened(file: str, check: "Callable[[h5py.File], Any]" = lambda _: None) -> h5py.File:
@@ -33,12 +33,12 @@ def opened(file: str, check: "Callable[[h5py.File], Any]" = lambda _: None) -> h
 
 
 def refuse_input(path: str) -> None:
-    """PliantError for the input of a run where its results are expected."""
+    """InputError for the input of a run where its results are expected."""
     name, ending = os.path.splitext(os.path.basename(path))
     if os.path.isfile(os.path.join(os.path.dirname(path), "state.h5")) and name == "report" and not os.path.isdir(path):
-        raise PliantError(f"{path} is the text of a post-mortem; its pictures are those of the directory {os.path.dirname(path) or '.'}")
+        raise InputError(f"{path} is the text of a post-mortem; its pictures are those of the directory {os.path.dirname(path) or '.'}")
     if ending.lower() in (".yaml", ".yml") and not os.path.isdir(path):
-        raise PliantError(f"{path} is an input, not a result: give the directory of its results, such as out/{name}")
+        raise InputError(f"{path} is an input, not a result: give the directory of its results, such as out/{name}")
 
 
 def results_elsewhere(path: str, name: str) -> str:

@@ -232,7 +232,8 @@ def run_as_html(run: "Run") -> str:
         picture = body if picture is None else picture + (body or "")
     except UNREADABLE:
         pass
-    return card(title, rows, picture, folded("what the program printed", f"<pre>{html.escape(run.log)}</pre>"))
+    log = folded("what the program printed", f"<pre>{html.escape(run.log)}</pre>") if run.log else ""
+    return card(title, rows, picture, log)
 
 
 # ----------------------------------------------------------------------------------------------------------- pictures

@@ -18,6 +18,7 @@ from . import notebook
 from .checkpoint import Checkpoint
 from .checks import path_of, positive_of, short
 from .error import FILE, InputError, PliantError
+from .files import refuse_input, results_elsewhere
 from .history import History
 from .result import Result
 
@@ -29,10 +30,17 @@ Path = Union[str, "os.PathLike[str]"]
 
 @dataclasses.dataclass(frozen=True)
 class Run:
-    """A run that has ended well, and where it lies."""
+    """A run, and where it lies: what `run` and `resume` return; `Run(directory)` is an earlier one, without its log."""
 
     directory: str
-    log: str = dataclasses.field(repr=False)  #: what the program printed
+    log: Optional[str] = dataclasses.field(default=None, repr=False)  #: what the program printed
+
+    def __post_init__(self) -> None:
+        directory = path_of(self.directory, "Run")
+        history = os.path.join(directory, "history.csv")
+        if self.log is None and not os.path.isfile(history):
+            refuse_input(directory)
+            raise PliantError(f"no run: {history} does not exist{results_elsewhere(directory, 'history.csv')}", FILE)
 
     def __repr__(self) -> str:
         return notebook.run_in_a_line(self)
