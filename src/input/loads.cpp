@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 namespace pliant {
 namespace {
 
@@ -34,21 +36,27 @@ std::optional<FoundationCoefficients> foundation_of(const LoadConfig& load) {
   return std::nullopt;
 }
 
-std::optional<Location> load_at_once(const Config& config) {
+std::optional<LoadAtOnce> load_at_once(const Config& config) {
   const auto acts = [](const Expression& value) {
     const double now = value(0.0, 0.0, 0.0, 0.0);
     return std::isfinite(now) && now != 0.0;
   };
+  const auto found = [&](const Expression& value, const Location& where) {
+    const bool is_number = !value.depends_on_time() && !value.depends_on_space();
+    const std::string text = is_number ? value.text() : '(' + value.text() + ')';
+    return LoadAtOnce{where, fmt::format("{}*min(t/{:g}, 1)", text, config.time.end)};
+  };
   for (const LoadConfig& load : config.loads) {
-    const VectorExpression* vector = vector_of(load);
-    const auto* pressure = std::get_if<LoadConfig::Pressure>(&load.kind);
-    if (vector != nullptr ? std::ranges::any_of(*vector, acts) : pressure != nullptr && acts(pressure->value)) {
-      return load.where;
+    if (const VectorExpression* vector = vector_of(load)) {
+      const auto first = std::ranges::find_if(*vector, acts);
+      if (first != vector->end()) return found(*first, load.where);
     }
+    const auto* pressure = std::get_if<LoadConfig::Pressure>(&load.kind);
+    if (pressure != nullptr && acts(pressure->value)) return found(pressure->value, load.where);
   }
   for (const CavityConfig& cavity : config.cavities) {
     const auto* pressure = std::get_if<CavityConfig::GivenPressure>(&cavity.content);
-    if (pressure != nullptr && acts(pressure->value)) return cavity.where;
+    if (pressure != nullptr && acts(pressure->value)) return found(pressure->value, cavity.where);
   }
   return std::nullopt;
 }

@@ -4,6 +4,7 @@
 #include "input/config.hpp"
 
 #include <optional>
+#include <string>
 
 namespace pliant {
 
@@ -19,7 +20,13 @@ struct FoundationCoefficients {
 /// Nothing if the load is not a foundation.
 std::optional<FoundationCoefficients> foundation_of(const LoadConfig& load);
 
+/// A load that is not zero at time 0, and a formula by which it grows to its size until the end of the run.
+struct LoadAtOnce {
+  Location where;
+  std::string grown;
+};
+
 /// The first load or cavity whose pressure or density is not zero at time 0, at the origin; nothing if there is none.
-std::optional<Location> load_at_once(const Config& config);
+std::optional<LoadAtOnce> load_at_once(const Config& config);
 
 }  // namespace pliant

@@ -101,8 +101,8 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
     return {"more memory per rank (fewer ranks on a machine, more machines), solver.linear: amg, a coarser mesh"};
   }
   if (!report.load_at_once.empty()) {
-    result.push_back(fmt::format("the load at {} acts at once in its full size: let it grow, as \"1e3*min(t/0.1, 1)\"",
-                                 report.load_at_once));
+    result.push_back(fmt::format("the load at {} acts at once in its full size: let it grow, as \"{}\"",
+                                 report.load_at_once, report.grown_load));
   }
   if (!report.doubt_about_units.empty()) {
     result.push_back(fmt::format("units of the material: {}", report.doubt_about_units));

@@ -58,6 +58,7 @@ struct FailureReport {
   bool has_barriers = false;
   std::string doubt_about_units;  ///< the warning about a body's constants; empty: none
   std::string load_at_once;  ///< where the input has a load that is not zero at the start, if that may be the cause
+  std::string grown_load;    ///< a formula by which it would grow
   std::vector<ReportedBody> bodies;
   std::vector<ReportedCell> worst_cells;  ///< the worst first, judged at the last iterate
   std::vector<ReportedNode> worst_nodes;  ///< likewise; empty if the stage is not known

@@ -203,7 +203,10 @@ std::string write_post_mortem(const Config& config, const Model& model, const St
   report.has_load_steps = is_static && !config.time.path;
   report.is_quasistatic = analysis_of(config) == Analysis::quasistatic;
   const auto sudden = report.is_quasistatic ? load_at_once(config) : std::nullopt;
-  if (sudden && last_good.step == 0) report.load_at_once = to_string(*sudden);
+  if (sudden && last_good.step == 0) {
+    report.load_at_once = to_string(sudden->where);
+    report.grown_load = sudden->grown;
+  }
   report.has_barriers = config.contact && config.contact->has_barrier();
   const auto of_units = warnings_about_units(config);
   if (!of_units.empty()) report.doubt_about_units = to_string(of_units.front());
