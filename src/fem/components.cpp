@@ -5,7 +5,9 @@
 #include "mesh/disjoint_sets.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/exchange.hpp"
 #include "petsc/ghosted.hpp"
+#include "petsc/session.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -175,25 +177,68 @@ std::vector<Candidate> candidates(const NodeLayout& layout, const Components& co
   return result;
 }
 
-std::array<PetscInt, 3> side_of(std::span<const PetscInt> nodes, std::size_t opposite) {
-  std::array<PetscInt, 3> side{nodes[(opposite + 1) % 4], nodes[(opposite + 2) % 4], nodes[(opposite + 3) % 4]};
+using Side = std::array<PetscInt, 3>;  // global nodes, ascending
+
+Side side_of(const NodeLayout& layout, PetscInt cell, std::size_t opposite) {
+  const auto nodes = layout.nodes_of_cell(cell);
+  Side side{};
+  for (std::size_t a = 0; a < 3; ++a) side[a] = layout.global_node(nodes[(opposite + 1 + a) % 4]);
   std::ranges::sort(side);
   return side;
 }
 
-/// Sides of only one local cell. At the boundary of ranks, a side whose nodes all belong to other ranks may count as
-/// outer.
-std::vector<unsigned char> outer_sides(const NodeLayout& layout) {
-  std::map<std::array<PetscInt, 3>, int> cells_at;
-  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
-    for (std::size_t i = 0; i < 4; ++i) ++cells_at[side_of(layout.nodes_of_cell(c), i)];
+/// Which of the sides belong to one cell alone. The owner of a node has all cells at it, and answers for the sides
+/// whose first node it is. Collective.
+std::vector<char> ask_owners(const NodeLayout& layout, const std::vector<Side>& sides,
+                             const std::map<Side, int>& cells_at) {
+  const auto count = static_cast<std::size_t>(num_ranks(layout.comm));
+  std::vector<PetscInt> first(count);
+  check_mpi(MPI_Allgather(&layout.first_global_node, 1, MPIU_INT, first.data(), 1, MPIU_INT, layout.comm));
+  std::vector<std::vector<std::size_t>> questions(count);  // to each rank, as places among the sides
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    questions[std::ranges::upper_bound(first, sides[i][0]) - first.begin() - 1].push_back(i);
   }
-  std::vector<unsigned char> result(static_cast<std::size_t>(layout.num_owned_cells), 0);
+  std::vector<int> num_asked;
+  std::vector<Side> asked;
+  for (const auto& to_rank : questions) {
+    num_asked.push_back(static_cast<int>(to_rank.size()));
+    for (const std::size_t i : to_rank) asked.push_back(sides[i]);
+  }
+  const std::vector<int> num_answered = exchanged_counts(layout.comm, num_asked);
+  std::vector<char> answers;
+  for (const Side& side : exchanged(layout.comm, asked, num_asked, num_answered)) {
+    answers.push_back(cells_at.at(side) == 1 ? 1 : 0);
+  }
+  const std::vector<char> answered = exchanged(layout.comm, answers, num_answered, num_asked);
+  std::vector<char> result(sides.size());
+  std::size_t next = 0;
+  for (const auto& to_rank : questions) {
+    for (const std::size_t i : to_rank) result[i] = answered[next++];
+  }
+  return result;
+}
+
+/// Sides of only one cell. Collective.
+std::vector<unsigned char> outer_sides(const NodeLayout& layout) {
+  std::map<Side, int> cells_at;
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    for (std::size_t i = 0; i < 4; ++i) ++cells_at[side_of(layout, c, i)];
+  }
+  std::vector<Side> sides;
+  std::vector<std::pair<PetscInt, std::size_t>> places;  // of the sides: cell, opposite corner
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     for (std::size_t i = 0; i < 4; ++i) {
-      const bool is_outer = cells_at.at(side_of(layout.nodes_of_cell(c), i)) == 1;
-      if (is_outer) result[static_cast<std::size_t>(c)] |= static_cast<unsigned char>(1U << i);
+      const Side side = side_of(layout, c, i);
+      if (cells_at.at(side) != 1) continue;
+      sides.push_back(side);
+      places.emplace_back(c, i);
     }
+  }
+  const std::vector<char> is_outer = ask_owners(layout, sides, cells_at);
+  std::vector<unsigned char> result(static_cast<std::size_t>(layout.num_owned_cells), 0);
+  for (std::size_t s = 0; s < sides.size(); ++s) {
+    const auto [cell, corner] = places[s];
+    if (is_outer[s] != 0) result[static_cast<std::size_t>(cell)] |= static_cast<unsigned char>(1U << corner);
   }
   return result;
 }

@@ -2,6 +2,7 @@
 #include "fem/body.hpp"
 #include "fem/components.hpp"
 
+#include <bit>
 #include <numeric>
 #include <set>
 
@@ -147,6 +148,33 @@ TEST_P(ComponentsOfCubes, OverlapWhenTheyHaveMoved) {
   ASSERT_TRUE(overlap.has_value());
   EXPECT_GT(overlap->at[0], 0.69);
   EXPECT_LT(overlap->at[0], 1.01);
+}
+
+/// Two bodies of many cells, the second within the first: what is said of them is the same on any number of ranks.
+TEST_P(ComponentsOfCubes, HaveTheSameSurfaceAndOverlapOnAnyRanks) {
+  const Scratch scratch(comm);
+  const std::string file = scratch.file("bodies.msh", [](const std::string& name) {
+    test::BoxOptions options;
+    options.missing = 6;
+    options.map = [](Point x) { return x[0] > 6.5 ? Point{x[0] - 4.3, x[1] + 0.13, x[2] + 0.21} : x; };
+    test::write_box_msh(name, {11.0, 6.0, 6.0}, {11, 6, 6}, options);
+  });
+  const test::Body spread(comm, file, GetParam()), whole(MPI_COMM_SELF, file, GetParam());
+  const auto num_outer = [](const Components& components) {
+    PetscInt64 count = 0;
+    for (const unsigned char sides : components.outer_sides) count += std::popcount(sides);
+    return count;
+  };
+  const Components of_spread = connected_components(spread.layout), of_whole = connected_components(whole.layout);
+  EXPECT_EQ(num_outer(of_whole), 4 * (36 + 2 * 36) + 4 * (36 + 2 * 24));
+  EXPECT_EQ(sum(comm, num_outer(of_spread)), num_outer(of_whole));
+  const auto deepest = [](const test::Body& body, const Components& components) {
+    return deepest_overlap(body.layout, components, std::vector<double>(3 * body.layout.num_local_nodes, 0.0));
+  };
+  const auto found = deepest(spread, of_spread), expected = deepest(whole, of_whole);
+  ASSERT_TRUE(found && expected);
+  EXPECT_NEAR(found->depth, expected->depth, 1e-12);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(found->at[i], expected->at[i], 1e-12);
 }
 
 }  // namespace
