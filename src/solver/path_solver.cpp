@@ -140,11 +140,21 @@ StageReport PathSolver::find_tangent(const Point& x, Point& tangent) {
     }
     scale_ = (1.0 - load_weight) / size;
   }
-  const double length = std::sqrt(scale_ * size + load_weight);
   check(VecCopy(b_.get(), tangent.xi.get()));
-  check(VecScale(tangent.xi.get(), -1.0 / length));
-  tangent.load = 1.0 / length;
+  check(VecScale(tangent.xi.get(), -1.0));
+  tangent.load = 1.0;
   return {};
+}
+
+double PathSolver::length_of(const Point& direction) const {
+  return std::sqrt(scale_ * inner(direction.xi.get(), direction.xi.get()) +
+                   load_weight * direction.load * direction.load);
+}
+
+void PathSolver::normalize(Point& direction) const {
+  const double length = length_of(direction);
+  check(VecScale(direction.xi.get(), 1.0 / length));
+  direction.load /= length;
 }
 
 StageReport PathSolver::settle() {
@@ -162,6 +172,7 @@ StageReport PathSolver::aim(Vec earlier_q, double earlier_load_factor) {
   pose(point_.load, point_.xi.get());
   const StageReport report = find_tangent(point_, tangent_);
   if (report.outcome != StageOutcome::converged) return report;
+  normalize(tangent_);
   has_tangent_ = true;
   if (earlier_q == nullptr) return report;
   // The unknowns of the earlier point may have meant something else; displacements of nodes do not.
@@ -332,7 +343,7 @@ StageReport PathSolver::finish(StageReport report) {
   }
   const double both =
       scale_ * inner(tangent_.xi.get(), next_tangent_.xi.get()) + load_weight * tangent_.load * next_tangent_.load;
-  found_.turn = std::acos(std::clamp(std::min(found_.length, ahead) / chord, -1.0, 1.0));
+  found_.turn = std::acos(std::clamp(std::min(found_.length, ahead / length_of(next_tangent_)) / chord, -1.0, 1.0));
   found_.slope_at_start = tangent_.load;
   found_.slope_at_end = next_tangent_.load / both;
   return report;
@@ -340,6 +351,9 @@ StageReport PathSolver::finish(StageReport report) {
 
 void PathSolver::accept(bool keeps_tangent) {
   assign(next_tangent_, tangent_);
+  const double size = inner(tangent_.xi.get(), tangent_.xi.get());
+  if (size > 0.0) scale_ = std::max(scale_, (1.0 - load_weight) / size);
+  normalize(tangent_);
   has_tangent_ = keeps_tangent;
 }
 

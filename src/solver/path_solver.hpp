@@ -31,9 +31,12 @@ struct PathStep {
 /// Keller 1977, Numerical solution of bifurcation and nonlinear eigenvalue problems). The path is the set of points
 /// x = (xi, lambda) with r(x) = 0, of unknowns and load factor. Its length is measured by
 ///
-///     <x, y> = (xi . eta / c^2 + lambda mu) / 2,     c = |dxi/dlambda| at the start of the path,
+///     <x, y> = (xi . eta / c^2 + lambda mu) / 2,     c = the least |dxi/dlambda| at points so far,
 ///
-/// so that the length grows as the load factor does as long as the response is linear; pressures do not count. From
+/// so that the length grows as the load factor does as long as the response is linear; pressures do not count. With c
+/// of the start alone, a structure that stiffens much would be followed by its load factor, which does not pass limit
+/// points; Crisfield 1981 (A fast incremental/iterative solution procedure that handles snap-through) leaves the load
+/// factor out, which c approaches there. From
 /// x_n with the unit tangent t, a step of length s is
 ///
 ///     r(x) = 0,   <t, x - x_n> = s,
@@ -108,8 +111,11 @@ class PathSolver {
   void pose(double load, Vec xi);
   /// f = dr/dlambda at x, where the equation is posed before and after.
   void load_derivative(const Point& x, Vec f);
-  /// The tangent at x, where the equation is posed: on which side is open. Also counts unstable modes.
+  /// The tangent (-b, 1) at x, where the equation is posed. Also counts unstable modes.
   StageReport find_tangent(const Point& x, Point& tangent);
+  double length_of(const Point& direction) const;
+  /// Makes its length 1.
+  void normalize(Point& direction) const;
   /// Newton's method from the trial point.
   StageReport correct(Hold hold, double length);
   /// One iteration of it; false if the linear systems have no solution, and the reason.

@@ -8,6 +8,7 @@ import numpy as np
 
 from browser import CHROMIUM, Browser
 from program import LONG, ROOT, ProgramTest, read_history, write_box
+from shell_meshes import write_patch
 
 # A shallow truss of two springs, whose apex moves up and down only; the force at the load factor 1 is 10 N.
 RISE, STIFFNESS = 0.3, 1000.0
@@ -50,6 +51,25 @@ constraints:
   - {{surface: xy, symmetry: plane}}
 cavities: [{{name: hollow, surface: inner, pressure: 100 kPa}}]
 probes: [{{name: inside, point: [8 mm, 0, 0]}}]
+"""
+# A quarter of a square film that its sides hold. Flat, it resists pressure by bending alone, a thousand times less than later.
+FILM = """
+mesh: {file: film.msh}
+shells:
+  - name: film
+    surface: sheet
+    free: true
+    bending: true
+    thickness: 1 mm
+    clamped: [{curve: s0, normal: [1, 0, 0]}, {curve: t0, normal: [0, 1, 0]}]
+    elasticity: {model: neo-hookean, shear_modulus: 100 kPa, poissons_ratio: 0.4999}
+constraints:
+  - {curve: s0, displacement: [0, free, free]}
+  - {curve: t0, displacement: [free, 0, free]}
+  - {curve: s1, displacement: [0, 0, 0]}
+  - {curve: t1, displacement: [0, 0, 0]}
+loads: [{surface: sheet, pressure: -1 kPa}]
+probes: [{name: pole, point: [0, 0, 0]}]
 """
 
 
@@ -142,6 +162,18 @@ class Paths(ProgramTest):
         self.assertEqual(list(np.unique(h["unstable_modes"][1:])), [0, 1])
         for ranks in (2, 3) if LONG else (2,):
             self.assert_same_history(h, self.follow(text, ranks=ranks)[0], 1e-9)
+
+    def test_a_flat_film_that_stiffens(self):
+        """The path passes the limit although its loads move a thousand times less there than at the start."""
+        write_patch(self.directory / "film.msh", 4, lambda s, t: (0.05 * s, 0.05 * t, 0), alternate=True)
+        greatest = []
+        for prestretch in ((), ("shells.0.prestretch=1.01",)):
+            h, points = self.follow(FILM + path(max_load=8, stop=[{"column": "pole_uz", "above": 0.1}]), *prestretch)
+            greatest += [point["load_factor"] for point in points if point["kind"] == "maximum"]
+            self.assertGreater(h["pole_uz"][-1], 0.1)
+            self.assertLess(h["load_factor"][-1], 0.95 * h["load_factor"].max())
+        self.assertEqual(len(greatest), 2)
+        self.assertAlmostEqual(greatest[0], greatest[1], delta=0.05 * greatest[0])
 
     def test_a_resumed_path_continues_to_the_last_bit(self):
         coarse = FRAME.replace("segments: 20", "segments: 10").replace("segments: 16", "segments: 8").replace("segments: 4", "segments: 2")
