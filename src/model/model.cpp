@@ -235,7 +235,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   for (const ModelCoupling& coupling : couplings_) diagnostics_.push_back(coupling.note);
   include(selections.unused_groups());
   include(warnings_about(config));
-  include(warnings_about_places(config, layout_, body_of_cell_));
+  include(warnings_about_places(config, layout_, body_of_cell_, shear_moduli_));
   include(warnings_about_what_is_held(config, layout_, selections, constraints_->prescribed()));
   if (!has_incompressible_body(config) && analysis_of(config) == Analysis::dynamic) {  // or a strain is refused later
     include(warnings_about_start(config, layout_, selections));

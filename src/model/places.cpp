@@ -14,7 +14,9 @@ namespace pliant {
 namespace {
 
 constexpr double longest_body = 50.0;  // [m]
-constexpr double far_away = 50.0;      // sizes of the bodies; millimetres put a place up to 1000 of them away
+constexpr double long_body = 5.0;      // [m], of those that are so soft that they sink under their own weight
+constexpr double least_sinking = 0.05;
+constexpr double far_away = 50.0;  // sizes of the bodies; millimetres put a place up to 1000 of them away
 constexpr double millimetre = 1e-3;
 
 /// A box around nodes; low > high without any.
@@ -148,11 +150,35 @@ void check_center(const RigidBodyConfig& body, const Extent& surface, Places& pl
                               : "check 'center' and the 'scale' of the surface"));
 }
 
-void check_lengths(const Config& config, const Extent& mesh, const std::vector<Extent>& of_bodies, Places& places) {
-  if (!mesh.is_empty() && mesh.length() >= longest_body) {
-    places.warn(config.mesh.file.where,
-                fmt::format("the mesh is {:.3g} m long; 'scale: 0.001' converts millimetres to metres", mesh.length()));
+/// How much of its length a body of elastic material would lose to its own weight if it stood upright, about.
+double sinking(const BodyConfig& body, double shear_modulus, double length) {
+  constexpr double gravity = 9.81, density_of_water = 1000.0;
+  constexpr double softest_solid = 150.0;  // [Pa]; less is rather a model in units of its own
+  if (!(shear_modulus >= softest_solid)) return 0.0;
+  return 0.5 * body.density.value_or(density_of_water) * gravity * length / (3.0 * shear_modulus);
+}
+
+void check_mesh(const Config& config, const Extent& mesh, const std::vector<Extent>& of_bodies,
+                std::span<const double> shear_moduli, Places& places) {
+  const auto warn = [&](const std::string& why) {
+    places.warn(
+        config.mesh.file.where,
+        fmt::format("the mesh is {:.3g} m long{}; 'scale: 0.001' converts millimetres to metres", mesh.length(), why));
+  };
+  if (mesh.is_empty() || mesh.length() < long_body) return;
+  if (mesh.length() >= longest_body) return warn("");
+  for (std::size_t b = 0; b + config.rigid_bodies.size() < config.bodies.size(); ++b) {
+    const BodyConfig& body = config.bodies[b];
+    if (of_bodies[b].is_empty() || body.is_rod || body.is_shell || of_bodies[b].length() < long_body) continue;
+    const double lost = sinking(body, shear_moduli[b], of_bodies[b].length());
+    if (lost < least_sinking) continue;
+    return warn(lost < 1.0
+                    ? fmt::format(", and so soft that it would sink by {:.2g} % under its own weight", 100.0 * lost)
+                    : ", and so soft that it would collapse under its own weight");
   }
+}
+
+void check_surfaces(const Config& config, const std::vector<Extent>& of_bodies, Places& places) {
   const std::size_t first = config.bodies.size() - config.rigid_bodies.size();
   for (std::size_t b = 0; b < config.rigid_bodies.size(); ++b) {
     const RigidBodyConfig& body = config.rigid_bodies[b];
@@ -167,7 +193,8 @@ void check_lengths(const Config& config, const Extent& mesh, const std::vector<E
 }  // namespace
 
 std::vector<Diagnostic> warnings_about_places(const Config& config, const NodeLayout& layout,
-                                              const std::vector<int>& body_of_cell) {
+                                              const std::vector<int>& body_of_cell,
+                                              std::span<const double> shear_moduli) {
   const std::vector<Extent> extents = extents_of_bodies(config, layout, body_of_cell);
   const std::size_t first = config.bodies.size() - config.rigid_bodies.size();
   const std::vector<std::string> rods = names_of_rods(config);
@@ -187,7 +214,8 @@ std::vector<Diagnostic> warnings_about_places(const Config& config, const NodeLa
     if (b < first || b == config.bodies.size()) mesh.include(extents[b]);
   }
   Places places(bodies);
-  check_lengths(config, mesh, extents, places);
+  check_mesh(config, mesh, extents, shear_moduli, places);
+  check_surfaces(config, extents, places);
   if (bodies.is_empty() && all.length() >= longest_body) {
     places.warn({config.file, 0, 0},
                 fmt::format("the places of rigid bodies and rods extend over {:.3g} m; places are in metres: write "

@@ -155,6 +155,7 @@ DOUBTFUL = {
     "motion that starts with a jump": ("constraints", "constraints: [{surface: left, displacement: [0, 0, 0]}, "
                                        "@{where: \"x > 0.9\", displacement: [\"0.1*cos(t)\", 0, 0]}]", "displaces nodes abruptly by 0.1 m"),
     "a mesh in millimetres": ("mesh", "mesh: {file: @cube.msh, scale: 100}", "the mesh is 100 m long.*'scale: 0.001'"),
+    "a soft part in millimetres": ("mesh", "mesh: {file: @cube.msh, scale: 40}", "the mesh is 40 m long, and so soft that it would sink by 18 % .*'scale: 0.001'"),
     "an obstacle in millimetres": ("output", "contact: {stiffness: 1, obstacles: [@{name: floor, shape: plane, point: [0, 0, -200], normal: [0, 0, 1]}]}",
                                    r"'floor' at .* is 200 m away from the bodies.* write \[0, 0, -200 mm\]"),
     "a spring to a place in millimetres": ("output", "springs: [{name: s, stiffness: 1, points: [[1, 1, 1], @{body: ground, point: [500, 0, 500]}]}]",
