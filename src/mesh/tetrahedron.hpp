@@ -41,7 +41,7 @@ inline double mean_ratio(const Corners& x) {
   const auto l2 = squared_edges(x);
   double sum = 0.0;
   for (const double l : l2) sum += l;
-  return 12.0 * std::cbrt(std::pow(std::max(3.0 * volume(x), 0.0), 2)) / sum;
+  return sum > 0.0 ? 12.0 * std::cbrt(std::pow(std::max(3.0 * volume(x), 0.0), 2)) / sum : 0.0;
 }
 
 }  // namespace pliant::tetrahedron

@@ -47,9 +47,12 @@ class Points {
       return {};
     }
     if (!tendon.pulled_at && !chain.is_directed && tendon.friction > 0.0) {
-      fail(tendon, fmt::format("the edges of physical curve '{}' have no common direction: with friction it matters "
-                               "where tendon '{}' is pulled; say 'pulled_at: [x, y, z]', a place near that end",
-                               tendon.curve, tendon.name));
+      const char* fault =
+          directed_curve(part) != nullptr ? "no common direction" : "no directions in Pliant's own mesh format";
+      fail(tendon,
+           fmt::format("the edges of physical curve '{}' have {}: with friction it matters where tendon '{}' is "
+                       "pulled; say 'pulled_at: [x, y, z]', a place near that end",
+                       tendon.curve, fault, tendon.name));
       return {};
     }
     if (tendon.pulled_at) {
@@ -63,12 +66,17 @@ class Points {
   std::vector<Diagnostic>& errors() { return errors_; }
 
  private:
-  Chain chain_in_mesh(const Selection& part) {
+  /// The curve with the directions of its edges, which Pliant's own mesh format does not have; nullptr without.
+  const MeshCurve* directed_curve(const Selection& part) const {
     const auto is_it = [&](const MeshCurve& curve) {
       return curve.group.name == part.name || std::to_string(curve.group.tag) == part.name;
     };
     const auto found = std::ranges::find_if(mesh_.curves, is_it);
-    if (found == mesh_.curves.end()) {
+    return found == mesh_.curves.end() ? nullptr : &*found;
+  }
+  Chain chain_in_mesh(const Selection& part) {
+    const MeshCurve* found = directed_curve(part);
+    if (found == nullptr) {
       const auto edges = edges_of_cells(bodies_.layout, selections_.edges(part));
       if (edges.empty()) return {};  // has been reported
       Chain chain = chain_of(edges, "a tendon");

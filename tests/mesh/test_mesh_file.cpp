@@ -263,6 +263,7 @@ std::vector<Damage> damages() {
       {"NegativeNode", overwritten<Whole>("cells", {0, 1, 2, -1}), "row 0 of cells"},
       {"NodeTwice", overwritten<Whole>("cells", {0, 1, 2, 2}), "row 0 of cells"},
       {"InsideOut", overwritten<double>("nodes", {9.0, 9.0, 9.0}), "inverted or flat tetrahedra"},
+      {"AtOnePlace", overwritten<double>("nodes", std::vector<double>(180, 1.0)), "inverted or flat tetrahedra"},
       {"NoSuchMember", overwritten<Whole>("groups/2", {144, 0}),
        "'clamp' has a member that is not part of any cell, in row 0"},
       {"NoSuchFacet", overwritten<Whole>("groups/2", {0, 4}),
