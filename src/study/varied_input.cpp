@@ -51,13 +51,15 @@ const KeyInfo* key_info(const std::vector<std::string>& parts) {
   return found;
 }
 
-/// The unit in what the table says of the key: "pressure [Pa] or formula of t".
+/// The unit in what the table says of the key: "pressure [Pa] or formula of t", "place `[x, y, z]` [m]".
 std::string unit_of(const KeyInfo* info) {
   if (info == nullptr) return "1";
-  const std::size_t open = info->type.find('['), close = info->type.find(']');
-  if (open >= close || close == std::string::npos) return "1";
-  const std::string inside = info->type.substr(open + 1, close - open - 1);
-  return inside.find(',') == std::string::npos ? inside : "1";  // components: "direction [x, y, z]"
+  const std::string& type = info->type;
+  for (std::size_t open = type.find('['); open != std::string::npos; open = type.find('[', open + 1)) {
+    const std::size_t end = type.find_first_of("[],", open + 1);
+    if (end != std::string::npos && type[end] == ']') return type.substr(open + 1, end - open - 1);
+  }
+  return "1";  // there is none, or only components: "direction [x, y, z]"
 }
 
 const InputNode* node_at(const InputNode& tree, const std::vector<std::string>& parts) {
