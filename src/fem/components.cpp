@@ -187,58 +187,34 @@ Side side_of(const NodeLayout& layout, PetscInt cell, std::size_t opposite) {
   return side;
 }
 
-/// Which of the sides belong to one cell alone. The owner of a node has all cells at it, and answers for the sides
-/// whose first node it is. Collective.
-std::vector<char> ask_owners(const NodeLayout& layout, const std::vector<Side>& sides,
-                             const std::map<Side, int>& cells_at) {
-  const auto count = static_cast<std::size_t>(num_ranks(layout.comm));
-  std::vector<PetscInt> first(count);
-  check_mpi(MPI_Allgather(&layout.first_global_node, 1, MPIU_INT, first.data(), 1, MPIU_INT, layout.comm));
-  std::vector<std::vector<std::size_t>> questions(count);  // to each rank, as places among the sides
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    questions[std::ranges::upper_bound(first, sides[i][0]) - first.begin() - 1].push_back(i);
-  }
-  std::vector<int> num_asked;
-  std::vector<Side> asked;
-  for (const auto& to_rank : questions) {
-    num_asked.push_back(static_cast<int>(to_rank.size()));
-    for (const std::size_t i : to_rank) asked.push_back(sides[i]);
-  }
-  const std::vector<int> num_answered = exchanged_counts(layout.comm, num_asked);
-  std::vector<char> answers;
-  for (const Side& side : exchanged(layout.comm, asked, num_asked, num_answered)) {
-    answers.push_back(cells_at.at(side) == 1 ? 1 : 0);
-  }
-  const std::vector<char> answered = exchanged(layout.comm, answers, num_answered, num_asked);
-  std::vector<char> result(sides.size());
-  std::size_t next = 0;
-  for (const auto& to_rank : questions) {
-    for (const std::size_t i : to_rank) result[i] = answered[next++];
-  }
-  return result;
-}
-
-/// Sides of only one cell. Collective.
+/// Sides of only one cell. The owner of a node has all cells at it, and is asked about the sides whose first node it
+/// is. Collective.
 std::vector<unsigned char> outer_sides(const NodeLayout& layout) {
   std::map<Side, int> cells_at;
   for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
     for (std::size_t i = 0; i < 4; ++i) ++cells_at[side_of(layout, c, i)];
   }
-  std::vector<Side> sides;
-  std::vector<std::pair<PetscInt, std::size_t>> places;  // of the sides: cell, opposite corner
+  const auto is_outer = [&](const Side& side) { return static_cast<char>(cells_at.at(side) == 1); };
+  std::vector<PetscInt> first(static_cast<std::size_t>(num_ranks(layout.comm)));
+  check_mpi(MPI_Allgather(&layout.first_global_node, 1, MPIU_INT, first.data(), 1, MPIU_INT, layout.comm));
+  std::vector<std::vector<Side>> questions(first.size());
+  std::vector<std::vector<std::pair<PetscInt, std::size_t>>> places(first.size());  // of them: cell, opposite corner
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     for (std::size_t i = 0; i < 4; ++i) {
       const Side side = side_of(layout, c, i);
-      if (cells_at.at(side) != 1) continue;
-      sides.push_back(side);
-      places.emplace_back(c, i);
+      if (is_outer(side) == 0) continue;
+      const auto owner = static_cast<std::size_t>(std::ranges::upper_bound(first, side[0]) - first.begin() - 1);
+      questions[owner].push_back(side);
+      places[owner].emplace_back(c, i);
     }
   }
-  const std::vector<char> is_outer = ask_owners(layout, sides, cells_at);
   std::vector<unsigned char> result(static_cast<std::size_t>(layout.num_owned_cells), 0);
-  for (std::size_t s = 0; s < sides.size(); ++s) {
-    const auto [cell, corner] = places[s];
-    if (is_outer[s] != 0) result[static_cast<std::size_t>(cell)] |= static_cast<unsigned char>(1U << corner);
+  const std::vector<char> answers = answered(layout.comm, questions, is_outer);
+  auto next = answers.begin();
+  for (const auto& list : places) {
+    for (const auto& [cell, corner] : list) {
+      if (*next++ != 0) result[static_cast<std::size_t>(cell)] |= static_cast<unsigned char>(1U << corner);
+    }
   }
   return result;
 }

@@ -178,17 +178,6 @@ std::optional<int> owner_of_ends(DM dm, PetscInt point, std::span<const int> own
   return std::nullopt;
 }
 
-/// Answers of the ranks to the questions, in their order. Collective.
-template <class Answer>
-std::vector<PetscSFNode> asked(MPI_Comm comm, const std::vector<std::vector<Question>>& questions, Answer answer) {
-  std::vector<int> num_asked;
-  for (const auto& list : questions) num_asked.push_back(static_cast<int>(list.size()));
-  const std::vector<int> num_answered = exchanged_counts(comm, num_asked);
-  std::vector<PetscSFNode> answers;
-  for (const Question& question : exchanged(comm, questions)) answers.push_back(answer(question));
-  return exchanged(comm, answers, num_answered, num_asked);
-}
-
 /// Asks `rank_to_ask` of each of these points about it, if that is one (>= 0); its answers become their owners.
 /// Collective.
 template <class Rank, class Answer>
@@ -202,7 +191,7 @@ void learn_owners(MPI_Comm comm, std::span<const GhostPoint> points, Rank rank_t
     questions[static_cast<std::size_t>(r)].push_back(ghost.question);
     asked_about[static_cast<std::size_t>(r)].push_back(ghost.point);
   }
-  const std::vector<PetscSFNode> answers = asked(comm, questions, answer);
+  const std::vector<PetscSFNode> answers = answered(comm, questions, answer);
   auto next = answers.begin();
   for (const auto& list : asked_about) {
     for (const PetscInt p : list) owners[static_cast<std::size_t>(p)] = *next++;

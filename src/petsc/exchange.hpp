@@ -50,4 +50,16 @@ std::vector<T> exchanged(MPI_Comm comm, const std::vector<std::vector<T>>& out) 
   return exchanged(comm, sent, num_out, exchanged_counts(comm, num_out));
 }
 
+/// `questions[r]`: what rank r is asked; `answer` gives what this rank says to one that has come. Returns the answers
+/// of rank 0, in the order of its questions, then those of rank 1, ... Collective.
+template <class Question, class Answer>
+auto answered(MPI_Comm comm, const std::vector<std::vector<Question>>& questions, Answer answer) {
+  std::vector<int> num_asked;
+  for (const auto& list : questions) num_asked.push_back(static_cast<int>(list.size()));
+  const std::vector<int> num_answered = exchanged_counts(comm, num_asked);
+  std::vector<std::invoke_result_t<Answer&, const Question&>> answers;
+  for (const Question& question : exchanged(comm, questions)) answers.push_back(answer(question));
+  return exchanged(comm, answers, num_answered, num_asked);
+}
+
 }  // namespace pliant

@@ -170,7 +170,7 @@ class Package(ProgramTest):
         with self.assertRaises(pliant.PliantError) as caught:
             pliant.Checkpoint(".")
         self.assertEqual(caught.exception.code, 4)
-        with self.assertRaisesRegex(pliant.PliantError, "there is no checkpoint"):
+        with self.assertRaisesRegex(pliant.PliantError, "no checkpoint"):
             pliant.Checkpoint(".")
         self.write("text.h5", "no HDF5")
         with self.assertRaisesRegex(pliant.PliantError, "is not an HDF5 file"):

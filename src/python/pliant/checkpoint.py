@@ -34,7 +34,7 @@ class Checkpoint:
             return path
         names = [name for name in os.listdir(path) if name.startswith("checkpoint-") and name.endswith(".h5")]
         if not names:
-            raise PliantError(f"there is no checkpoint in {path}", FILE)
+            raise PliantError(f"no checkpoint in {path}", FILE)
         return os.path.join(path, max(names, key=lambda name: (len(name), name)))
 
     @property
