@@ -2,6 +2,7 @@
 
 #include "base/limits.hpp"
 #include "base/vector3.hpp"
+#include "fem/element.hpp"
 #include "mesh/disjoint_sets.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
@@ -274,6 +275,19 @@ std::optional<double> depth_in(const std::array<Position, 4>& corners, const Out
   return depth;
 }
 
+/// By how much the sides of a cell may lie within the straight ones [m]: a side of which all edges are bent by d
+/// deviates by 4/3 d in its middle.
+double bend_of_sides(const NodeLayout& layout, std::span<const double> u, std::span<const PetscInt> nodes,
+                     const std::array<Position, 4>& corners) {
+  double largest = 0.0;
+  for (std::size_t e = 0; 4 + e < nodes.size(); ++e) {
+    const auto& [i, j] = tet_edges[e];
+    const Position straight = 0.5 * (corners[static_cast<std::size_t>(i)] + corners[static_cast<std::size_t>(j)]);
+    largest = std::max(largest, norm(current(layout, u, nodes[4 + e]) - straight));
+  }
+  return 4.0 / 3.0 * largest;
+}
+
 }  // namespace
 
 Components connected_components(const NodeLayout& layout) {
@@ -355,7 +369,7 @@ std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Component
       corners[a] = current(layout, u, nodes[a]);
       box.include(corners[a]);
     }
-    const double size = norm(box.high - box.low);
+    const double size = norm(box.high - box.low), bend = bend_of_sides(layout, u, nodes, corners);
     auto point = std::ranges::lower_bound(points, box.low[0], {}, [](const Candidate& p) { return p.x[0]; });
     for (; point != points.end() && point->x[0] <= box.high[0]; ++point) {
       if (!box.holds(point->x)) continue;
@@ -368,7 +382,8 @@ std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Component
       const auto depth = depth_in(corners, outer, point->x, size);
       if (!depth) continue;
       const auto p = static_cast<std::size_t>(point - points.begin());
-      depths[p] = std::min(depths[p], *depth > least_part * size ? *depth : 0.0);
+      const double least = *depth - bend;
+      depths[p] = std::min(depths[p], least > least_part * size ? least : 0.0);
       holders[p] = std::max(holders[p], component);
     }
   }

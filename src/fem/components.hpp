@@ -42,8 +42,8 @@ struct Overlap {
 
 /// The deepest overlap at the displacement u of local nodes; nothing if no component penetrates another by more than a
 /// twentieth of a cell. Examines at most `most_nodes` of each rank's nodes where the components' boxes meet, evenly
-/// chosen. Edges count as straight. `are_kept_apart`: of each two components, by rows, whether their overlaps do not
-/// count; empty: all count. Collective.
+/// chosen. Cells count as straight, less what their sides may be bent. `are_kept_apart`: of each two components, by
+/// rows, whether their overlaps do not count; empty: all count. Collective.
 std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Components& components,
                                        std::span<const double> u, std::size_t most_nodes = 20000,
                                        std::span<const char> are_kept_apart = {});

@@ -267,9 +267,12 @@ std::optional<std::string> MotionWatch::look_for_passage(const StepRecord& recor
   const int other = body_at(model_, overlap->in, overlap->at, u.span());
   return to_string(Diagnostic{
       Severity::warning, mesh_,
-      fmt::format("at {} {} pass through one another, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g}): no contact between "
-                  "them is enabled; 'contact: {{law: barrier, pairs: all}}' keeps bodies apart",
-                  instant(progress(record)), names_of(body, other), overlap->depth, x, y, z)});
+      fmt::format("at {} {} pass through one another, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g}): {}; 'contact: "
+                  "{{law: barrier, pairs: all}}' keeps bodies apart",
+                  instant(progress(record)), names_of(body, other), overlap->depth, x, y, z,
+                  model_.contacts() != nullptr
+                      ? "no contact between them is enabled, or it leaves out parts of their surfaces"
+                      : "no contact between them is enabled")});
 }
 
 std::vector<std::string> MotionWatch::look_at_joints(const StepRecord& record) {

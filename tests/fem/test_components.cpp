@@ -3,6 +3,7 @@
 #include "fem/components.hpp"
 
 #include <bit>
+#include <cmath>
 #include <numeric>
 #include <set>
 
@@ -148,6 +149,22 @@ TEST_P(ComponentsOfCubes, OverlapWhenTheyHaveMoved) {
   ASSERT_TRUE(overlap.has_value());
   EXPECT_GT(overlap->at[0], 0.69);
   EXPECT_LT(overlap->at[0], 1.01);
+}
+
+TEST_P(ComponentsOfCubes, MayBeApartWhereTheirSidesAreBent) {
+  const Cubes cubes({{0, 0, 0}, {0.9, 0, 0}}, GetParam());
+  const NodeLayout& layout = cubes.layout();
+  const Components components = connected_components(layout);
+  if (layout.order == 1) return;  // all nodes are corners, and none lies within the other cube
+  ASSERT_TRUE(deepest_overlap(layout, components, cubes.at_rest()).has_value());
+  // The nodes on edges of the side x = 1 of the first cube move inwards, as far as the second one comes.
+  std::vector<double> u = cubes.at_rest();
+  for (PetscInt n = 0; n < layout.num_local_nodes; ++n) {
+    const auto [x, y, z] = layout.position(n);
+    const bool is_corner = std::fmod(y, 1.0) == 0.0 && std::fmod(z, 1.0) == 0.0;
+    if (x == 1.0 && !is_corner) u[3 * n] = -0.1;
+  }
+  EXPECT_FALSE(deepest_overlap(layout, components, u).has_value());
 }
 
 /// Two bodies of many cells, the second within the first: what is said of them is the same on any number of ranks.
