@@ -125,7 +125,8 @@ class StageEquation {
   /// Size of the rounding errors in r at q [N].
   virtual double rounding_floor(Vec q) const = 0;
 
-  /// The magnitude of the diagonal of K, in D: the scale of each unknown.
+  /// The magnitude of the diagonal of K, as `hessian` left it last, in D: the scale of each unknown; anything where it
+  /// is prescribed.
   virtual void size_of_diagonal(Mat K, Vec D) const { check(MatGetDiagonal(K, D)); }
   /// Properties of K at a stable solution.
   virtual PetscInt num_negative_pivots() const { return 0; }

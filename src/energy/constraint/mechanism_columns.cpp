@@ -20,8 +20,13 @@ constexpr double least_kept = 0.1;
 Mechanism::Matrix Mechanism::preferred_in_null_space() const {
   Matrix result = preferred_;
   const JointFactors squares = G_ref_.factors(Vector::Ones(G_ref_.cols()), G_ref_);
-  for (int pass = 0; pass < 2; ++pass) result -= G_ref_.transposed_times(squares.solve(G_ref_ * result));
-  if (result.size() == 0 || (G_ref_ * result).lpNorm<Eigen::Infinity>() <= joint_tolerance) return result;
+  constexpr int most_corrections = 2;
+  for (int i = 0;; ++i) {
+    const Matrix rest = G_ref_ * result;
+    if (rest.size() == 0 || rest.lpNorm<Eigen::Infinity>() <= joint_tolerance) return result;
+    if (i == most_corrections) break;
+    result -= G_ref_.transposed_times(squares.solve(rest));
+  }
   const Eigen::HouseholderQR<Matrix> qr(G_ref_.dense().transpose());
   result = qr.householderQ().adjoint() * preferred_;
   result.topRows(std::min(G_ref_.rows(), G_ref_.cols())).setZero();

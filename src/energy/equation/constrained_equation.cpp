@@ -311,6 +311,11 @@ void ConstrainedEquation::hessian(Vec y, Mat K, Projection projection) {
   map_.add_curvature(unknowns.get(), forces.get(), K, [&](PetscInt entry) { return jacobian_.place(entry); });
 }
 
+void ConstrainedEquation::size_of_diagonal(Mat K, Vec D) const {
+  equation_.size_of_diagonal(full_.get(), D);
+  product_->put_diagonal(K, D);
+}
+
 std::vector<std::string> ConstrainedEquation::non_potentials() const {
   auto names = equation_.non_potentials();
   std::ranges::copy(map_.non_potentials(), std::back_inserter(names));

@@ -57,7 +57,7 @@ class ConstrainedEquation final : public StageEquation {
   double force_scale(Vec y) override;
   double inertia_scale() override { return equation_.inertia_scale(); }
   double rounding_floor(Vec y) const override;
-  void size_of_diagonal(Mat K, Vec D) const override { equation_.size_of_diagonal(K, D); }
+  void size_of_diagonal(Mat K, Vec D) const override;
   PetscInt num_negative_pivots() const override { return equation_.num_negative_pivots(); }
   std::vector<std::string> non_potentials() const override;
   Symmetry symmetry() const override { return symmetry_; }

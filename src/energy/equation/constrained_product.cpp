@@ -1,6 +1,6 @@
 #include "energy/equation/constrained_product.hpp"
 
-#include "petsc/collective.hpp"
+#include "petsc/array_view.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,6 +25,16 @@ void copy(const std::array<std::vector<EntryRun>, 2>& runs, Mat from, Mat to) {
   assemble(to);
 }
 
+/// A flag of each owned row, set if it has no entries.
+std::vector<char> empty_rows(Mat matrix) {
+  const MatrixRows own(matrix, 0), others(matrix, 1);
+  std::vector<char> result;
+  for (PetscInt row = 0; row < own.size(); ++row) {
+    result.push_back(own.begin(row) == own.end(row) && others.begin(row) == others.end(row) ? 1 : 0);
+  }
+  return result;
+}
+
 }  // namespace
 
 ConstrainedProduct::ConstrainedProduct(Mat A, Mat W, Mat J, const std::vector<char>& is_tied,
@@ -40,14 +50,15 @@ ConstrainedProduct::ConstrainedProduct(Mat A, Mat W, Mat J, const std::vector<ch
   is_slave_row_ = of_all_rows(is_slave);
   is_tied_column_ = flags_of_columns(A, is_tied_row_);
   make_near(A);
-  const std::vector<char> no_rows(is_tied_row_.size(), 0);
-  J_part_ = part_of(J_, no_rows);
-  if (has_two_steps_) W_part_ = part_of(W_, no_rows);
+  const std::vector<char> is_far = empty_rows(near_.get());
+  J_part_ = part_of(J_, is_far);
+  if (has_two_steps_) W_part_ = part_of(W_, is_far);
   multiply(MAT_INITIAL_MATRIX);
   make_pattern(A);
   K_from_whole_product_ = K_from_product();
+  find_diagonal(A);
   if (!dense.empty()) {
-    std::vector<char> is_dense = no_rows;
+    std::vector<char> is_dense = is_far;
     for (const RowsOfColumns& group : dense) {
       for (const PetscInt row : group.rows) is_dense[static_cast<std::size_t>(row)] = 1;
     }
@@ -59,7 +70,6 @@ ConstrainedProduct::ConstrainedProduct(Mat A, Mat W, Mat J, const std::vector<ch
   }
   K_from_product_ = K_from_product();
   find_runs_from(A);
-  find_diagonal();
 }
 
 ConstrainedProduct::Part ConstrainedProduct::part_of(Mat matrix, const std::vector<char>& is_left_out) const {
@@ -137,13 +147,17 @@ void ConstrainedProduct::find_runs_from(Mat A) {
   }
 }
 
-void ConstrainedProduct::find_diagonal() {
-  const MatrixRows own(pattern_.get(), 0);
-  for (PetscInt row = 0; row < own.size(); ++row) {
-    for (PetscInt k = own.begin(row); k < own.end(row); ++k) {
-      if (own.local_column(k) != row) continue;
-      (is_slave_row_[static_cast<std::size_t>(row)] ? of_slaves_ : of_others_).push_back(k);
-    }
+void ConstrainedProduct::find_diagonal(Mat A) {
+  const MatrixRows of_A(A, 0), of_K(pattern_.get(), 0);
+  const std::vector<char> is_of_A_alone = empty_rows(product_.get());
+  PetscInt first = 0;
+  check(MatGetOwnershipRange(A, &first, nullptr));
+  for (PetscInt row = 0; row < of_K.size(); ++row) {
+    const auto i = static_cast<std::size_t>(row);
+    if (is_of_A_alone[i] && !is_tied_row_[i] && !is_slave_row_[i]) continue;
+    const PetscInt entry = of_K.entry(row, first + row);
+    changed_.push_back({entry, row, 1});
+    if (is_slave_row_[i]) of_slaves_.push_back({of_A.entry(row, first + row), entry, 1});
   }
 }
 
@@ -206,16 +220,24 @@ void ConstrainedProduct::set(Mat A, Mat K) {
   }
   for (const DenseRows& rows : dense_) rows.add_far(K);
   assemble(K);
-  set_diagonal_of_slaves(MatrixValues(K));
+  set_diagonal_of_slaves(MatrixValues(A), MatrixValues(K));
   assemble(K);
 }
 
-void ConstrainedProduct::set_diagonal_of_slaves(const MatrixValues& K) const {
-  double sums[2] = {0.0, static_cast<double>(of_others_.size())};
-  for (const PetscInt entry : of_others_) sums[0] += std::abs(K[0][entry]);
-  sum_in_place(PetscObjectComm(reinterpret_cast<PetscObject>(pattern_.get())), sums);
-  const double mean = sums[0] > 0.0 ? sums[0] / sums[1] : 1.0;
-  for (const PetscInt entry : of_slaves_) K[0][entry] = mean;
+void ConstrainedProduct::put_diagonal(Mat K, Vec D) const {
+  const MatrixValues values(K);
+  const ArrayView diagonal(D);
+  for (const EntryRun& run : changed_) diagonal[run.to] = values[0][run.from];
+}
+
+void ConstrainedProduct::set_diagonal_of_slaves(const MatrixValues& A, const MatrixValues& K) const {
+  double largest = 0.0;
+  for (const EntryRun& run : of_slaves_) largest = std::max(largest, std::abs(A[0][run.from]));
+  if (!(largest > 0.0)) largest = 1.0;
+  for (const EntryRun& run : of_slaves_) {
+    const double size = std::abs(A[0][run.from]);
+    K[0][run.to] = size > 0.0 ? size : largest;
+  }
 }
 
 }  // namespace pliant

@@ -17,18 +17,20 @@ namespace pliant {
 /// PETSc's products of the whole matrices would cost as much as the assembly of A.
 class ConstrainedProduct {
  public:
-  /// All of type MATMPIAIJ with the same layout; only patterns are used. W and J may be one matrix. `is_tied`: one flag
-  /// per leading owned row of J and W; the others are those of the identity. `is_slave`: likewise, rows and columns of
-  /// K that are zero but for the diagonal. `dense`: rows of W without other entries than zero. J and W outlive the
-  /// object. Collective.
+  /// All of type MATMPIAIJ with the same layout; only patterns are used, that of A is symmetric. W and J may be one
+  /// matrix. `is_tied`: one flag per leading owned row of J and W; the others are those of the identity. `is_slave`:
+  /// likewise, rows and columns of K that are zero but for the diagonal. `dense`: rows of W without other entries than
+  /// zero. J and W outlive the object. Collective.
   ConstrainedProduct(Mat A, Mat W, Mat J, const std::vector<char>& is_tied, const std::vector<char>& is_slave,
                      std::vector<RowsOfColumns> dense = {});
 
   /// A zero matrix with the pattern of K. Collective.
   Handle<Mat> make() const;
   /// Sets K, a matrix of make() for an A of this pattern, from the values of A, J and W. The diagonal entries of slaves
-  /// are the mean magnitude of the others. Collective.
+  /// are the magnitudes of those of A; where these are zero, that of the largest. Collective.
   void set(Mat A, Mat K);
+  /// Puts those entries of the diagonal of K that may differ from those of A into D. Not collective.
+  void put_diagonal(Mat K, Vec D) const;
 
  private:
   /// One list for each part of a matrix: the columns of this rank, and those of other ranks.
@@ -48,8 +50,8 @@ class ConstrainedProduct {
   void make_pattern(Mat A);
   Runs K_from_product() const;
   void find_runs_from(Mat A);
-  void find_diagonal();
-  void set_diagonal_of_slaves(const MatrixValues& K) const;
+  void find_diagonal(Mat A);
+  void set_diagonal_of_slaves(const MatrixValues& A, const MatrixValues& K) const;
 
   Mat W_, J_;
   bool has_two_steps_;  // or W = J, and no rows are dense
@@ -61,8 +63,9 @@ class ConstrainedProduct {
   std::vector<DenseRows> dense_;
   Handle<Mat> pattern_;  // of K
   Runs near_from_A_, K_from_A_, K_from_product_;
-  Runs K_from_whole_product_;                    // with dense rows
-  std::vector<PetscInt> of_slaves_, of_others_;  // diagonal entries of K
+  Runs K_from_whole_product_;        // with dense rows
+  std::vector<EntryRun> of_slaves_;  // from the diagonal of A to that of K
+  std::vector<EntryRun> changed_;    // from the diagonal of K to entries of a vector
 };
 
 }  // namespace pliant

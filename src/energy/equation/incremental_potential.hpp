@@ -78,7 +78,7 @@ class IncrementalPotential final : public StageEquation {
   /// Size of the energy of displacements that are rounding errors of places and of q [J]: 1/2 sum K_ii (eps (|X_i| +
   /// |u_i|))^2 with the same diagonal, which has the masses of a stage, too. Collective.
   double rounding_energy(Vec q) const;
-  void size_of_diagonal(Mat K, Vec D) const override { get_diagonal(K, D); }
+  void size_of_diagonal(Mat /*K*/, Vec D) const override { check(VecCopy(diagonal_.get(), D)); }
 
   std::vector<std::string> non_potentials() const override;
   Symmetry symmetry() const override;
@@ -115,7 +115,7 @@ class IncrementalPotential final : public StageEquation {
   bool exceeds_bound_ = false;                      // of the stage that was last solved
   double sum_rounding_ = 0.0;                       // of the last rank-one terms [N]
   std::vector<std::vector<PetscInt>> free_bodies_;  // owned nodes of each body that nothing holds
-  Handle<Vec> work_, diagonal_;
+  Handle<Vec> work_, diagonal_;                     // that of the last Hessian
   // Where terms couple pairs.
   Handle<Mat> of_cells_;  // the part of the Hessian that has the pattern of the cells
   PresentPattern present_pattern_;

@@ -3,6 +3,7 @@
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pliant {
@@ -14,12 +15,20 @@ using Matrix4 = std::array<std::array<double, 4>, 4>;
 /// Computations, 8.5).
 Quaternion largest_eigenvector(Matrix4 N) {
   constexpr int most_sweeps = 20;  // it converges quadratically: five or six
+  constexpr double nothing = 1e-20;
+  double size = 0.0;
+  for (const auto& row : N) {
+    for (const double entry : row) size = std::max(size, std::abs(entry));
+  }
   Matrix4 V{};
   for (std::size_t i = 0; i < 4; ++i) V[i][i] = 1.0;
-  for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+  bool is_diagonal = false;
+  for (int sweep = 0; sweep < most_sweeps && !is_diagonal; ++sweep) {
+    is_diagonal = true;
     for (std::size_t p = 0; p < 4; ++p) {
       for (std::size_t q = p + 1; q < 4; ++q) {
-        if (N[p][q] == 0.0) continue;
+        if (std::abs(N[p][q]) <= nothing * size) continue;
+        is_diagonal = false;
         const double tau = (N[q][q] - N[p][p]) / (2.0 * N[p][q]);
         const double t = (tau < 0.0 ? -1.0 : 1.0) / (std::abs(tau) + std::sqrt(1.0 + tau * tau));
         const double c = 1.0 / std::sqrt(1.0 + t * t), s = t * c;
