@@ -41,22 +41,25 @@ std::optional<LoadAtOnce> load_at_once(const Config& config) {
     const double now = value(0.0, 0.0, 0.0, 0.0);
     return std::isfinite(now) && now != 0.0;
   };
-  const auto found = [&](const Expression& value, const Location& where) {
+  const auto grown = [&](const Expression& value) {
     const bool is_number = !value.depends_on_time() && !value.depends_on_space();
+    if (!acts(value)) return is_number ? value.text() : '"' + value.text() + '"';
     const std::string text = is_number ? value.text() : '(' + value.text() + ')';
-    return LoadAtOnce{where, fmt::format("{}*min(t/{:g}, 1)", text, config.time.end)};
+    return fmt::format("\"{}*min(t/{:g}, 1)\"", text, config.time.end);
   };
   for (const LoadConfig& load : config.loads) {
     if (const VectorExpression* vector = vector_of(load)) {
-      const auto first = std::ranges::find_if(*vector, acts);
-      if (first != vector->end()) return found(*first, load.where);
+      const auto& [x, y, z] = *vector;
+      if (std::ranges::any_of(*vector, acts)) {
+        return LoadAtOnce{load.where, fmt::format("[{}, {}, {}]", grown(x), grown(y), grown(z))};
+      }
     }
     const auto* pressure = std::get_if<LoadConfig::Pressure>(&load.kind);
-    if (pressure != nullptr && acts(pressure->value)) return found(pressure->value, load.where);
+    if (pressure != nullptr && acts(pressure->value)) return LoadAtOnce{load.where, grown(pressure->value)};
   }
   for (const CavityConfig& cavity : config.cavities) {
     const auto* pressure = std::get_if<CavityConfig::GivenPressure>(&cavity.content);
-    if (pressure != nullptr && acts(pressure->value)) return found(pressure->value, cavity.where);
+    if (pressure != nullptr && acts(pressure->value)) return LoadAtOnce{cavity.where, grown(pressure->value)};
   }
   return std::nullopt;
 }

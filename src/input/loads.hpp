@@ -20,10 +20,10 @@ struct FoundationCoefficients {
 /// Nothing if the load is not a foundation.
 std::optional<FoundationCoefficients> foundation_of(const LoadConfig& load);
 
-/// A load that is not zero at time 0, and a formula by which it grows to its size until the end of the run.
+/// A load that is not zero at time 0, and formulas by which it grows to its size until the end of the run.
 struct LoadAtOnce {
   Location where;
-  std::string grown;
+  std::string grown;  ///< the value of its key, as in YAML
 };
 
 /// The first load or cavity whose pressure or density is not zero at time 0, at the origin; nothing if there is none.

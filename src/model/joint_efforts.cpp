@@ -16,7 +16,7 @@ JointMotor motor_of(const JointConfig::Motor& motor, bool is_static) {
   return {motor.target, motor.stiffness, is_static ? 0.0 : motor.damping, motor.limit, motor.effort};
 }
 
-/// The laws of a joint. A static equilibrium has no rates.
+/// The laws of a joint that follow from its coordinate and rate alone. A static equilibrium has no rates.
 std::vector<JointLaw> laws_of(const JointConfig& joint, bool is_static) {
   std::vector<JointLaw> laws;
   if (joint.spring) laws.emplace_back(JointSpring{joint.spring->stiffness, joint.spring->rest});
@@ -92,10 +92,24 @@ std::vector<std::unique_ptr<EnergyTerm>> make_joint_efforts(const Config& config
   return terms;
 }
 
-double effort_of_motor(const JointConfig& joint, bool is_static, double coordinate, double rate, double time,
-                       double factor) {
-  if (!joint.motor) return 0.0;
-  return joint_effort(motor_of(*joint.motor, is_static), coordinate, rate, time, factor).effort;
+std::vector<std::string> names_of_efforts(const JointConfig& joint, bool is_static) {
+  std::vector<std::string> names;
+  for (const JointLaw& law : laws_of(joint, is_static)) {
+    names.emplace_back(std::holds_alternative<JointSpring>(law)   ? "_spring"
+                       : std::holds_alternative<JointDamper>(law) ? "_damping"
+                       : std::holds_alternative<JointMotor>(law)  ? "_effort"
+                                                                  : "_friction");
+  }
+  return names;
+}
+
+std::vector<double> efforts_of(const JointConfig& joint, bool is_static, double coordinate, double rate, double time,
+                               double factor) {
+  std::vector<double> efforts;
+  for (const JointLaw& law : laws_of(joint, is_static)) {
+    efforts.push_back(joint_effort(law, coordinate, rate, time, factor).effort);
+  }
+  return efforts;
 }
 
 void require_finite_formulas(const Config& config, double time) {

@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace pliant {
@@ -17,9 +18,11 @@ std::vector<std::unique_ptr<EnergyTerm>> make_joint_efforts(const Config& config
                                                             const std::vector<int>& body_of_cell,
                                                             std::span<const ModelJoint> joints);
 
-/// The effort of a joint's motor; 0 if it has none. `factor`: of loads in a static analysis.
-double effort_of_motor(const JointConfig& joint, bool is_static, double coordinate, double rate, double time,
-                       double factor);
+/// What a joint's spring, damper, dry friction and motor exert, those that it has: the columns' endings.
+std::vector<std::string> names_of_efforts(const JointConfig& joint, bool is_static);
+/// In the same order [N m] or [N]. `factor`: of loads in a static analysis.
+std::vector<double> efforts_of(const JointConfig& joint, bool is_static, double coordinate, double rate, double time,
+                               double factor);
 
 /// Throws InputError at a formula of a joint or tendon that is not finite at the time [s].
 void require_finite_formulas(const Config& config, double time);

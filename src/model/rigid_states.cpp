@@ -61,7 +61,7 @@ std::vector<std::string> RigidStates::columns() const {
     if (joint.angle != nullptr) names.push_back(joint.name + "_angle");
     if (has_travel(joint.type)) names.push_back(joint.name + "_travel");
     if ((joint.angle != nullptr) != has_travel(joint.type)) names.push_back(joint.name + "_rate");
-    if (given.motor) names.push_back(joint.name + "_effort");
+    for (const std::string& ending : names_of_efforts(given, is_static_)) names.push_back(joint.name + ending);
     add(joint.name, "_f");
     add(joint.name, "_t");
   }
@@ -110,9 +110,8 @@ std::vector<double> RigidStates::values(const Instant& at, Vec q, Vec v,
       rate = dot(moving_apart, n) + dot(apart, n_rate);
     }
     if ((joint.angle != nullptr) != has_travel(joint.type)) result.push_back(rate);
-    if (joints_[j].motor) {
-      result.push_back(effort_of_motor(joints_[j], is_static_, result[first], rate, at.time, at.load_factor));
-    }
+    const double coordinate = result.size() > first ? result[first] : 0.0;
+    add(efforts_of(joints_[j], is_static_, coordinate, rate, at.time, at.load_factor));
     const JointReaction reaction = j < reactions.size() ? reactions[j] : JointReaction{};
     add(reaction.force);
     add(reaction.torque);

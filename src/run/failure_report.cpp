@@ -101,7 +101,7 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
     return {"more memory per rank (fewer ranks on a machine, more machines), solver.linear: amg, a coarser mesh"};
   }
   if (!report.load_at_once.empty()) {
-    result.push_back(fmt::format("the load at {} acts at once in its full size: let it grow, as \"{}\"",
+    result.push_back(fmt::format("the load at {} acts at once in its full size: let it grow, as {}",
                                  report.load_at_once, report.grown_load));
   }
   if (!report.doubt_about_units.empty()) {

@@ -186,6 +186,10 @@ joints:
             t = h["time"]
             exact = 0.03 + np.exp(-decay * t) * (-0.03 * np.cos(omega * t) + (0.5 - 0.03 * decay) / omega * np.sin(omega * t))
             np.testing.assert_allclose(h["rail_travel"], exact, atol=1e-7)
+            np.testing.assert_allclose(h["rail_spring"], 200 * (0.03 - h["rail_travel"]), atol=1e-12)
+            np.testing.assert_allclose(h["rail_damping"], -4 * h["rail_rate"], atol=1e-12)
+            # All that acts along the rail; forces of the joint are across it.
+            np.testing.assert_allclose(np.gradient(h["rail_rate"], t)[1:-1], (h["rail_spring"] + h["rail_damping"])[1:-1] / 2, atol=5e-4)
             lost = h["kinetic_energy"][0] + 0.5 * 200 * 0.03**2 - h["kinetic_energy"][-1] - h["elastic_energy"][-1]
             self.assertAlmostEqual(h["dissipated_joint_dampers"][-1], lost, delta=1e-5 * lost)
         with self.subTest("turned spring"):
@@ -212,6 +216,9 @@ joints:
         self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", ALL_OR_SOME)
         one, *others = [self.solve(both, "method: bdf2, step: 5 ms, end: 0.1", ranks) for ranks in swept((1, 2, 3), (1,))]
         self.assertGreater(np.abs(one["b_effort"]).max(), 0.5)
+        np.testing.assert_allclose(one["b_spring"], 30 * (0.3 - one["b_angle"]), atol=1e-12)
+        np.testing.assert_allclose(one["b_damping"], -0.5 * one["b_rate"], atol=1e-12)
+        np.testing.assert_allclose(one["b_friction"], -0.3 * np.tanh(one["b_rate"] / 2), atol=1e-12)
         for other in others:
             self.assert_same_history(other, one, 1e-9)
         self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-9 * one["kinetic_energy"].max())
@@ -235,6 +242,7 @@ joints: [{name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], a
         self.assertAlmostEqual(h["axle_angle"][-1], 15 + 1 / 100, delta=0.01)
         h = self.solve(wheel.replace("MORE", "motor: {effort: 12}, spring: {stiffness: 1}"), "method: static, load_steps: 10")
         np.testing.assert_allclose(h["axle_angle"], 1.2 * h["step"], atol=1e-9)
+        np.testing.assert_allclose(h["axle_spring"] + h["axle_effort"], 0, atol=1e-8)
 
     def test_kinks_of_motions_are_events(self):
         # The hinge turns at 1 rad/s until 0.033 s, between two nominal steps, and rests from then on.

@@ -56,7 +56,7 @@ TEST(Advice, SpeaksOfBarriersWhereThereAreSome) {
 TEST(Advice, LoadsGrow) {
   FailureReport report;
   report.load_at_once = "finger.yaml:7:5";
-  report.grown_load = "-5000*min(t/2, 1)";
+  report.grown_load = "\"-5000*min(t/2, 1)\"";
   EXPECT_EQ(advice(report, after({1e3, 500, 100})).front(),
             "the load at finger.yaml:7:5 acts at once in its full size: let it grow, as \"-5000*min(t/2, 1)\"");
 }

@@ -130,7 +130,7 @@ class Pictures(WithResult):
         without = shares("--hide", "flexor", "--hide", "root_hinge")
         self.assertEqual((without[0], without[2]), (nothing[0], nothing[2]))
         self.assertGreaterEqual(without[1], drawn[1], "the camera comes nearer")
-        self.fails("--transparent coil: there is no body or obstacle of this name", self.directory, "--transparent", "coil")
+        self.fails("--transparent coil: nothing that can be transparent has this name", self.directory, "--transparent", "coil")
         # By tension: the spring pushes, the tendon pulls most at its first segment.
         pictures = [np.asarray(Image.open(self.draw("--field", field, "--frame", 2, "--size", "480x360"))).tobytes() for field in ("tension", "none")]
         self.assertNotEqual(*pictures)
@@ -342,7 +342,7 @@ class Pictures(WithResult):
         self.fails("no component 'q'", self.directory, "--field", "velocity_q")
         self.fails("is a tensor", self.directory, "--field", "cauchy_stress")
         self.fails("--frame 3: the result has the frames 0 to 2", self.directory, "--frame", "3")
-        self.fails("--hide arm: there is no body or obstacle of this name; there are root, tip", self.directory, "--hide", "arm")
+        self.fails("--hide arm: nothing that is drawn has this name; names are root, tip", self.directory, "--hide", "arm")
         self.fails("no body or obstacle", self.directory, "--transparent", "arm")
         self.fails("every body is hidden", self.directory, "--hide", "root", "--hide", "tip")
         self.fails("--field tension: the result has no tendons", self.directory, "--field", "tension")

@@ -88,13 +88,18 @@ def run_in_a_line(run: "Run") -> str:
 # ------------------------------------------------------------------------------------------------------------ as HTML
 
 
+# Columns of joints: what motors, springs, dampers and friction exert.
+EFFORTS = ("_effort", "_spring", "_damping", "_friction")
+
+
 def unit_of(column: str, history: "Iterable[str]" = ()) -> str:
     """The unit of a column of the history, as docs/output.md has it; empty if it is a number or unknown. `history`: all of its columns, which
     say whether a joint is a hinge or a slider."""
-    for ending, of_angle, of_travel in (("_effort", "N m", "N"), ("_rate", "rad/s", "m/s")):
+    for ending, of_angle, of_travel in (*((ending, "N m", "N") for ending in EFFORTS), ("_rate", "rad/s", "m/s")):
         if column.endswith(ending):
             joint = column[: -len(ending)]
-            return of_angle if f"{joint}_angle" in history else of_travel if f"{joint}_travel" in history else ""
+            if f"{joint}_angle" in history or f"{joint}_travel" in history:
+                return of_angle if f"{joint}_angle" in history else of_travel
     if column.endswith(("_energy", "_work", "_dissipation")) or column.startswith("dissipated_") or column in (
             "load_potential", "energy_balance_error"):
         return "J"

@@ -9,7 +9,7 @@ from matplotlib import pyplot as plt
 
 from pliant import History, PliantError, Result
 from pliant.error import did_you_mean
-from pliant.notebook import unit_of
+from pliant.notebook import EFFORTS, unit_of
 
 from ..command_line import Parser, exit_code
 from .analysis import counted
@@ -169,14 +169,17 @@ def of_forces(history):
 MECHANISMS = (("_pressure", "Pressure in cavities", "gauge pressure [Pa]"), ("_volume", "Volume of cavities", "volume [m³]"),
               ("_tension", "Tension of tendons", "tension [N]"), ("_force", "Force of springs", "force [N]"),
               ("_length", "Length of tendons and springs", "length [m]"), ("_angle", "Angles of joints", "angle [rad]"),
-              ("_travel", "Travel of joints", "travel [m]"), ("_effort", "Torques of motors", "torque [N m]"), ("_effort", "Forces of motors", "force [N]"))
+              ("_travel", "Travel of joints", "travel [m]"),
+              *((ending, f"{quantity.capitalize()}s of {of}", f"{quantity} [{unit}]")
+                for ending, of in zip(EFFORTS, ("motors", "springs of joints", "dampers of joints", "friction in joints"))
+                for quantity, unit in (("torque", "N m"), ("force", "N"))))
 
 
 def of_mechanisms(history, taken):
     """Drawings of these columns, of those that vary."""
     for ending, title, label in MECHANISMS:
         lines = {name.removesuffix(ending): history[name] for name in history if name.endswith(ending) and name not in taken
-                 and (ending != "_effort" or label.endswith(f"[{unit_of(name, history)}]"))}
+                 and (ending not in EFFORTS or label.endswith(f"[{unit_of(name, history)}]"))}
         if any(changes(values) for values in lines.values()):
             yield lambda axes, time, h, parts=(title, label, lines): draw_lines(axes, time, *parts)
 

@@ -168,7 +168,7 @@ class Shown:
         for option, names in (("hide", [*known, *lines]), ("transparent", known)):
             for name in getattr(self._options, option):
                 if name not in names:
-                    raise PliantError(f"--{option} {name}: there is no body or obstacle of this name; there are {', '.join(names) or 'none'}")
+                    raise PliantError(f"--{option} {name}: nothing that {'can be transparent' if option == 'transparent' else 'is drawn'} has this name; names are {', '.join(names) or 'none'}")
 
     def shells(self, frame):
         """The outside of the bodies that are neither hidden nor transparent, as one, or as one of those that are rigid and one of the others; then each transparent body, and all ghosts."""
