@@ -115,7 +115,7 @@ output: {fields: [displacement, von_mises_stress, volume_ratio]}
         self.fails(2, "^pliant plot: finger.yaml is an input", "plot", "finger.yaml")
         self.fails(2, "--sise.*see pliant render --help", "render", "out", "--sise", "3")
         self.fails(2, "^pliant render: argument --size: invalid WIDTHxHEIGHT value: '3'", "render", "out", "--size", "3")
-        self.fails(2, "--hide arm: there is no body.*there are root, tip", "render", "out", "--hide", "root", "--hide", "arm")
+        self.fails(2, "--hide arm: nothing that is drawn has this name; names are root, tip", "render", "out", "--hide", "root", "--hide", "arm")
         self.fails(2, "plot.xyz: the name must end in one of", "plot", "out", "--output", "plot.xyz")
         self.fails(4, "^pliant plot: .*missing/a.png: No such file", "plot", "out", "--output", "missing/a.png")
         self.fails(2, "start it without mpirun", "plot", "out", ranks=2)
