@@ -176,7 +176,8 @@ double parse_quantity(const std::string& text, const std::string& unit) {
   const Unit expected = parsed_unit(unit);
   if (!same_dimension(given.get(), expected.get())) {
     throw UnitError(quoted + " is " + dimension_of(given.get(), excerpt(parts->unit)) +
-                    (unit == "rad" ? meant_unit(parts->unit, unit) : "") + ", but " + wanted);
+                    (unit == "rad" ? meant_unit(parts->unit, unit) : "") + ", but " +
+                    (unit == "1" ? "a number without a unit is expected" : wanted));
   }
   const auto factor = conversion_factor(given.get(), expected.get());
   if (!factor) throw UnitError(quoted + " has a unit with an offset, but " + wanted);

@@ -48,6 +48,7 @@ std::string_view unit_of_column(const std::string& name) {
       {"m", {"*_[xyz]", "*_u[xyz]", "*_length", "*_travel", "*gap_min"}},
       {"rad", {"*_angle"}},
       {"m/s", {"*_v[xyz]"}},
+      {"rad/s", {"*_w[xyz]"}},
       {"Pa", {"*_pressure"}},
       {"m^3", {"*_volume"}},
   };

@@ -4,6 +4,7 @@
 #include "model/joint_turns.hpp"
 #include "petsc/collective.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -17,7 +18,7 @@ namespace {
 
 /// The period of the bodies on a stop, in time steps: every method resolves it.
 constexpr double steps_per_period = 10.0;
-/// The effort of a stop begins smoothly over this part of the range.
+/// The effort of a stop begins smoothly over this part of the range, of 1 rad or of the size of the bodies.
 constexpr double rounding_of_range = 1e-3;
 
 /// The inertia of a body against a joint's coordinate: its mass [kg], or its moment about the axis [kg m^2].
@@ -100,7 +101,9 @@ double beyond_limits(const JointConfig& given, const ModelJoint& joint, Vec q, V
 JointStops make_joint_stops(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,
                             const JointConfig& given, const ModelJoint& joint, const std::array<int, 2>& bodies) {
   const auto& [low, high] = *given.limits;
-  JointStops stops{0.5 * (low + high), 0.5 * (high - low), 0.0, rounding_of_range * (high - low)};
+  // One of two stops may be far away, where it never acts.
+  const double wide = joint.angle != nullptr ? 1.0 : joint.mechanism->size();
+  JointStops stops{low, high, 0.0, rounding_of_range * std::min(high - low, wide)};
   if (given.limit_stiffness) {
     stops.stiffness = *given.limit_stiffness;
     return stops;

@@ -18,7 +18,7 @@ namespace {
 /// Advances with Pliant's own Newton's method.
 std::unique_ptr<NewtonSolver> make_newton(const Config& config, Model& model) {
   return with_user_options([&] {
-    return std::make_unique<NewtonSolver>(model.equation(), newton_options(config), linear_kind(config, model));
+    return std::make_unique<NewtonSolver>(model.equation(), newton_options(config, model), linear_kind(config, model));
   });
 }
 
@@ -129,7 +129,7 @@ class PetscAdvance final : public Advance {
  public:
   PetscAdvance(const Config& config, Model& model, Ledger& ledger, const PetscMethod& method, const StateView& initial)
       : name_(method.name), ledger_(ledger), integrator_(with_user_options([&] {
-          const PetscIntegratorOptions options{method, newton_options(config), linear_kind(config, model)};
+          const PetscIntegratorOptions options{method, newton_options(config, model), linear_kind(config, model)};
           return std::make_unique<PetscIntegrator>(options, model.equation(), model.motion(Correction::of_slaves),
                                                    initial);
         })) {}

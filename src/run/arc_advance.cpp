@@ -46,7 +46,7 @@ ArcAdvance::ArcAdvance(const Config& config, Model& model, const StateView& init
       keeps_tangent_(model.constraints().map() == nullptr || model.constraints().map()->is_linear()),
       solver_(with_user_options([&] {
         return std::make_unique<PathSolver>(
-            model.equation(), newton_options(config), linear_kind(config, model),
+            model.equation(), newton_options(config, model), linear_kind(config, model),
             [this](double load_factor, Vec q) { return states_.begin_stage(load_factor, q); });
       })) {
   check(VecDuplicate(initial.q, settled_.out()));

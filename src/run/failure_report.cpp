@@ -100,6 +100,11 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
   if (stage != nullptr && stage->lacks_memory) {
     return {"more memory per rank (fewer ranks on a machine, more machines), solver.linear: amg, a coarser mesh"};
   }
+  if (failure.reason.find("nothing holds the bodies") != std::string::npos) {
+    return {
+        "joints, constraints or a weak `spring` that hold the bodies, a start at which they touch what stops them, or "
+        "a method with inertia"};
+  }
   if (!report.load_at_once.empty()) {
     result.push_back(fmt::format("the load at {} acts at once in its full size: let it grow, as {}",
                                  report.load_at_once, report.grown_load));

@@ -5,6 +5,8 @@
 #include "solver/petsc_method.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -13,6 +15,8 @@ namespace {
 
 /// Newton's tolerance relative to adaptive.relative: its residual must not be mistaken for an error of the steps.
 constexpr double part_left_by_newton = 1e-4;
+/// The largest displacement of an equilibrium, relative to the size of the model.
+constexpr double largest_displacement = 1e4;
 
 /// Whether multigrid may take the place of a factorization. In statics and near barriers, the factorization shows
 /// whether a Hessian is definite.
@@ -24,14 +28,17 @@ bool may_adapt_linear_solver(const Config& config, Model& model) {
 
 }  // namespace
 
-NewtonOptions newton_options(const Config& config) {
+NewtonOptions newton_options(const Config& config, const Model& model) {
   const auto& newton = config.solver.newton;
   const auto& adaptive = config.time.adaptive;
   const double relative =
       adaptive ? std::min(newton.relative, part_left_by_newton * adaptive->relative) : newton.relative;
   const bool is_slender = !config.rods.empty() || has_free_shells(config);
   const auto slenderness = is_slender ? Slenderness::some : Slenderness::none;
-  return {relative, newton.absolute, newton.max_iterations, slenderness};
+  const auto& bounds = model.mesh_report().bounds;
+  const double size = std::hypot(bounds[3] - bounds[0], bounds[4] - bounds[1], bounds[5] - bounds[2]);
+  const double reach = size > 0.0 ? largest_displacement * size : std::numeric_limits<double>::infinity();
+  return {relative, newton.absolute, newton.max_iterations, slenderness, reach};
 }
 
 LinearKind linear_kind(const Config& config, Model& model) {

@@ -11,7 +11,7 @@
 
 namespace pliant {
 
-NewtonOptions newton_options(const Config& config);
+NewtonOptions newton_options(const Config& config, const Model& model);
 
 /// The linear solver that the input asks for, or the automatic choice.
 LinearKind linear_kind(const Config& config, Model& model);

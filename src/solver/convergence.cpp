@@ -31,6 +31,7 @@ Convergence::Convergence(Objective& objective, const NewtonOptions& options, Sol
 
 void Convergence::begin_stage() {
   scale_ = 0.0;
+  is_rounding_counted_ = false;
   starts_at_solution_ = false;
 }
 
@@ -70,7 +71,7 @@ bool Convergence::is_solution(double residual, Vec q) {
 
 void Convergence::count_rounding(double residual, Vec q) {
   StageEquation& equation = objective_.equation();
-  ++statistics_.rounding_stops;
+  if (!std::exchange(is_rounding_counted_, true)) ++statistics_.rounding_stops;
   const double size = std::max({equation.force_scale(q), equation.inertia_scale(), first_scale_ * tiny_part});
   // A body at rest without stress: its forces are themselves rounding errors.
   const bool is_free_of_forces =

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 
 namespace pliant {
 
@@ -19,6 +20,8 @@ struct NewtonOptions {
   double absolute = 0.0;   ///< residual [N]
   int max_iterations = 50;
   Slenderness slenderness = Slenderness::none;
+  /// The largest displacement of an equilibrium without inertia [m]: bodies that move farther are held by nothing.
+  double reach = std::numeric_limits<double>::infinity();
 };
 
 /// Compares the residual (out-of-balance force) with the forces that must balance. Their scale is taken at the guess,
@@ -77,6 +80,7 @@ class Convergence {
   SolverStatistics& statistics_;
   std::function<void(Vec)> reassemble_;
   double scale_ = 0.0;
+  bool is_rounding_counted_ = false;  // of this stage
   double first_scale_ = 0.0;          // at the guess
   double intermediate_target_ = 0.0;  // [N]
   int num_lowered_ = 0;               // how often in this run the scale was lowered to that of the iterate

@@ -47,7 +47,8 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
     report = solve_for_unknowns(equation_.enter(stage, q, unknowns_.get()), unknowns_.get(), guess);
     report.newton_iterations += before.newton_iterations;
     report.linear_iterations += before.linear_iterations;
-    if (report.outcome == StageOutcome::fatal || !equation_.is_far_from_guess(unknowns_.get())) break;
+    const bool is_over = report.outcome == StageOutcome::fatal || has_left(unknowns_.get());
+    if (is_over || !equation_.is_far_from_guess(unknowns_.get())) break;
     if (turn == max_turns) {
       report.outcome = StageOutcome::retry;
       report.reason = "bodies rotate on and on in the search for an equilibrium";
@@ -79,6 +80,13 @@ StageReport NewtonSolver::solve_for_unknowns(const StagePoint& stage, Vec q, Gue
     const bool is_over = report.outcome != StageOutcome::retry || equation_.is_far_from_guess(q);
     if (start && !is_over) report = iterate_with_drag(q, start.get(), report);
     coefficients_.settle(q, report);
+    if (report.outcome != StageOutcome::fatal && has_left(q)) {
+      report.outcome = StageOutcome::retry;
+      report.reason = fmt::format(
+          "nothing holds the bodies against the loads: without inertia they move on and on, by "
+          "more than {:.1g} m",
+          options_.reach);
+    }
   }
   if (report.outcome == StageOutcome::converged) {
     guesses_.remember(q);
@@ -88,6 +96,14 @@ StageReport NewtonSolver::solve_for_unknowns(const StagePoint& stage, Vec q, Gue
     check(VecCopy(q, failure_->q.get()));
   }
   return report;
+}
+
+// Far away, rounding errors of a stiff body's forces are as large as the loads, which then seem to be in balance.
+bool NewtonSolver::has_left(Vec q) {
+  if (!objective_.is_static()) return false;
+  PetscReal largest = 0.0;
+  check(VecNorm(equation_.displacements(q), NORM_INFINITY, &largest));
+  return largest > options_.reach;
 }
 
 StageReport NewtonSolver::iterate(Vec q, int max_iterations) {

@@ -78,6 +78,8 @@ class NewtonSolver {
   enum class Guess { best, given };
   StageReport solve_for_unknowns(const StagePoint& stage, Vec q, Guess which);
   /// Runs Newton's iteration, several times if necessary.
+  /// Whether a stage without inertia has displacements beyond NewtonOptions::reach.
+  bool has_left(Vec q);
   StageReport iterate(Vec q, int max_iterations);
   /// Once more from the guess after a failure without inertia, with the drag of a state that is held softly near it;
   /// where no terms refreeze, what failed.

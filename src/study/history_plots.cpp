@@ -7,6 +7,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <fnmatch.h>
 #include <functional>
 #include <string_view>
 #include <tuple>
@@ -81,7 +82,8 @@ ColumnPlots::ColumnPlots(std::span<const LabelledHistory> histories, std::filesy
 
 double ColumnPlots::rounding_of(const std::string& column) const {
   const std::string unit = unit_of_column(histories_, column);
-  double change = 0.0, largest = largest_.at(unit);
+  const bool is_of_rotation = fnmatch("*_q[wxyz]", column.c_str(), 0) == 0;  // of unit quaternions
+  double change = 0.0, largest = is_of_rotation ? 1.0 : largest_.at(unit);
   for (const LabelledHistory& history : histories_) {
     const auto* values = history.table.find(column);
     if (values == nullptr) continue;

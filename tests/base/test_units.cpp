@@ -59,7 +59,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"5 mm", "s", "'5 mm' is a length, but a time [s] is expected"},
         Bad{"5 ms", "Pa", "'5 ms' is a time, but a pressure [Pa] is expected"},
         Bad{"5 Hz", "s", "'5 Hz' is a frequency, but a time [s] is expected"},
-        Bad{"1 m", "1", "'1 m' is a length, but a number is expected"},
+        Bad{"1 m", "1", "'1 m' is a length, but a number without a unit is expected"},
         Bad{"40 %", "m", "'40 %' is a pure number, but a length [m] is expected"},
         Bad{"1 A", "m", "'1 A' is in [A], but a length [m] is expected"},
         Bad{"5 mmm", "m", "'mmm' in '5 mmm' is not a known unit, but a length [m] is expected"},

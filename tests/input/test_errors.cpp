@@ -168,7 +168,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{2,
             "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}, expansion: "
             "{stretch: @1 m}}]",
-            "'stretch': '1 m' is a length, but a number is expected"},
+            "'stretch': '1 m' is a length, but a number without a unit is expected"},
         Bad{2, "bodies: [{density: 1, rigid: @yes}]", "'rigid' must be true or false, not 'yes'"},
         Bad{2, "bodies: [{density: 1, rigid: true, expansion: @{stretch: 1.1}}]",
             "bodies[0] is rigid: remove 'expansion'"},

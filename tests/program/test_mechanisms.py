@@ -244,6 +244,34 @@ joints: [{name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], a
         np.testing.assert_allclose(h["axle_angle"], 1.2 * h["step"], atol=1e-9)
         np.testing.assert_allclose(h["axle_spring"] + h["axle_effort"], 0, atol=1e-8)
 
+    def test_stops_do_not_depend_on_one_another(self):
+        """One of them may be far away; both begin smoothly within the same small range."""
+        cart = """rigid_bodies: [{name: cart, mass: 1, inertia: [0.1, 0.1, 0.1], center: [0, 0, 0]}]
+joints: [{name: rail, type: slider, between: [ground, cart], point: [0, 0, 0], axis: [1, 0, 0], limits: [LOW, 0.01], limit_stiffness: 1e4, motor: {effort: 1}}]
+"""
+        travel = {low: self.solve(cart.replace("LOW", low), "method: static")["rail_travel"][-1] for low in ("-1", "-1e3", "-1e6")}
+        for low, value in travel.items():
+            self.assertAlmostEqual(value, travel["-1"], delta=1e-9, msg=low)
+            self.assertLess(abs(value - 0.0101), 3e-4, low)
+
+    def test_what_nothing_holds_has_no_equilibrium(self):
+        """Far away, rounding errors are as large as the loads; that is no balance."""
+        rig = """rigid_bodies:
+  - {name: shank, mass: 100 g, inertia: [1e-4, 1e-4, 1e-5], center: [0, 0, 0.08]}
+  - {name: arm, mass: 10 g, inertia: [1e-5, 1e-5, 1e-6], center: [0.05, 0, 0.1]}
+joints:
+  - {name: guide, type: slider, between: [ground, shank], point: [0, 0, 0.08], axis: [0, 0, 1]}
+  - {name: knee, type: hinge, between: [shank, arm], point: [0, 0, 0.1], axis: [0, 1, 0], spring: {stiffness: 4}}
+loads: [{gravity: [0, 0, -9.81]}]
+"""
+        for time in ("method: static", "method: quasistatic, step: 10 ms, end: 20 ms"):
+            with self.subTest(time):
+                self.write("in.yaml", rig + f"time: {{{time}}}\n")
+                told = self.pliant("run", "in.yaml", "--output", "out", status=3).stderr
+                self.assertIn("nothing holds the bodies against the loads", told)
+                self.assertIn("a method with inertia", told)
+                self.assertLess(np.abs(read_history(self.directory / "out")["shank_z"]).max(), 1)
+
     def test_kinks_of_motions_are_events(self):
         # The hinge turns at 1 rad/s until 0.033 s, between two nominal steps, and rests from then on.
         h = self.solve(self.chain("hinge", ', motion: "min(t, 0.033)"'), "method: dirk33, step: 10 ms, end: 0.06")

@@ -14,8 +14,8 @@ constexpr int ground = -1;
 
 /// At which stop the coordinate is, the sign of it, and how far beyond; negative: between them.
 std::pair<double, double> beyond_stops(const JointStops& stops, double coordinate) {
-  const double from_middle = coordinate - stops.middle;
-  return {from_middle < 0.0 ? -1.0 : 1.0, std::abs(from_middle) - stops.half_range};
+  const double below = stops.low - coordinate, above = coordinate - stops.high;
+  return below > above ? std::pair{-1.0, below} : std::pair{1.0, above};
 }
 
 /// The energy that stops store [J].

@@ -34,7 +34,7 @@ struct JointMotor {
 /// Elastic stops at both ends of a range: an effort k g where the coordinate is beyond one by g, which begins smoothly
 /// within `rounding` (k g^2 / (2 rounding), then k (g - rounding / 2)).
 struct JointStops {
-  double middle = 0.0, half_range = 0.0;
+  double low = 0.0, high = 0.0;
   double stiffness = 0.0, rounding = 0.0;
 };
 /// Dry friction: an effort against the rate, `largest` where it slides, sat(rate) = largest tanh(rate / stick_rate).

@@ -109,7 +109,7 @@ def unit_of(column: str, history: "Iterable[str]" = ()) -> str:
         return "kg m/s"
     if column in ("Lx", "Ly", "Lz"):
         return "kg m²/s"
-    for endings, unit in ((("_x", "_y", "_z", "gap_min"), "m"), (("_vx", "_vy", "_vz"), "m/s"), (("_fx", "_fy", "_fz"), "N"),
+    for endings, unit in ((("_x", "_y", "_z", "gap_min"), "m"), (("_vx", "_vy", "_vz"), "m/s"), (("_wx", "_wy", "_wz"), "rad/s"), (("_fx", "_fy", "_fz"), "N"),
                           (("_tx", "_ty", "_tz"), "N m"), (("_jx", "_jy", "_jz"), "N s"), (("_pressure",), "Pa"), (("_volume",), "m³"),
                           (("_ux", "_uy", "_uz", "_length", "_travel"), "m"), (("_tension", "_force"), "N"), (("_angle",), "rad")):
         if column.endswith(endings):

@@ -41,9 +41,9 @@ std::vector<EffortCase> every_case() {
           {"Damper", JointDamper{3.0}, travel},
           {"TurningMotor", motor, angle},
           {"Motor", motor, travel},
-          {"TurnedStops", JointStops{0.3, 0.25, 40.0, 0.05}, angle},
-          {"TurnedStopsWithinTheirRounding", JointStops{0.3, 0.25, 40.0, 0.5}, angle},
-          {"Stops", JointStops{0.2, 0.1, 40.0, 0.02}, travel},
+          {"TurnedStops", JointStops{0.05, 0.55, 40.0, 0.05}, angle},
+          {"TurnedStopsWithinTheirRounding", JointStops{0.05, 0.55, 40.0, 0.5}, angle},
+          {"Stops", JointStops{0.1, 0.3, 40.0, 0.02}, travel},
           {"TurningFriction", JointFriction{0.7, 0.4}, angle},
           {"Friction", JointFriction{0.7, 0.4}, travel},
           {"TurningBearing", BearingFriction{std::make_shared<double>(0.7), 0.4}, angle},
@@ -58,7 +58,7 @@ std::vector<EffortCase> every_case() {
            angle,
            {0, 1},
            2.5},
-          {"StopsTurnsAway", JointStops{1.0, 2.2 * turn, 40.0, 0.05}, angle, {0, 1}, 2.5}};
+          {"StopsTurnsAway", JointStops{1.0 - 2.2 * turn, 1.0 + 2.2 * turn, 40.0, 0.05}, angle, {0, 1}, 2.5}};
 }
 
 /// The second body turned about the axis of `angle`, through its middle, by whole turns and perhaps half of one.
