@@ -20,6 +20,9 @@ constexpr double tiny_part = 1e-6;
 constexpr double least_part = 1e-12;
 /// A residual above this part of that of the iterate before does not fall any more.
 constexpr double settled = 0.5;
+/// Less than any force on a body [N], but more than the least number in single precision. Bodies whose loads are gone
+/// come nearer to rest with each static stage.
+constexpr double no_force = 1e-30;
 /// Forces up to this multiple of the rounding floor count as zero.
 constexpr double no_forces = 10.0;
 
@@ -32,6 +35,7 @@ Convergence::Convergence(Objective& objective, const NewtonOptions& options, Sol
 void Convergence::begin_stage() {
   scale_ = 0.0;
   is_rounding_counted_ = false;
+  least_target_ = objective_.is_static() ? no_force : 0.0;
   starts_at_solution_ = false;
 }
 

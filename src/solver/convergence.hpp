@@ -54,7 +54,9 @@ class Convergence {
   void accept(double residual) { intermediate_target_ = residual; }
 
   /// The residual at which the iteration has converged [N].
-  double target() const { return std::max({options_.relative * scale_, options_.absolute, intermediate_target_}); }
+  double target() const {
+    return std::max({options_.relative * scale_, options_.absolute, intermediate_target_, least_target_});
+  }
   /// Sum of the norms of the forces that must balance [N].
   double scale() const { return scale_; }
 
@@ -80,6 +82,7 @@ class Convergence {
   SolverStatistics& statistics_;
   std::function<void(Vec)> reassemble_;
   double scale_ = 0.0;
+  double least_target_ = 0.0;
   bool is_rounding_counted_ = false;  // of this stage
   double first_scale_ = 0.0;          // at the guess
   double intermediate_target_ = 0.0;  // [N]

@@ -15,8 +15,6 @@ namespace {
 
 /// How far frozen coefficients may exceed their bound: by the change from step to step in steady sliding.
 constexpr double drag_excess = 1e-3;
-/// Displacements below this part of the places of the nodes count as none.
-constexpr double nothing = 1e-24;
 
 }  // namespace
 
@@ -147,13 +145,7 @@ double IncrementalPotential::force_scale(Vec q) {
   const auto at = terms_.at(q);
   double scale = 0.0;
   for (std::size_t k = 0; k < terms_.size(); ++k) scale += force_of(k, at);
-  // Bodies without loads come to rest at 0 more closely with each stage, to numbers that single precision has not.
-  double squares = 0.0;
-  const ConstArrayView k(diagonal_.get());
-  for (PetscInt i = 0; i < 3 * layout_.num_owned_nodes; ++i) {
-    if (!prescribed_[i]) squares += std::pow(k[i] * layout_.coordinates[static_cast<std::size_t>(i)], 2);
-  }
-  return std::max(scale, nothing * std::sqrt(sum(layout_.comm, squares)));
+  return scale;
 }
 
 double IncrementalPotential::inertia_scale() {
