@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -15,8 +14,10 @@ namespace {
 
 /// Newton's tolerance relative to adaptive.relative: its residual must not be mistaken for an error of the steps.
 constexpr double part_left_by_newton = 1e-4;
-/// The largest displacement of an equilibrium, relative to the size of the model.
-constexpr double largest_displacement = 1e4;
+/// The largest displacement of an equilibrium, relative to the size of the model, or in any case [m]: beyond where
+/// bodies with guides and motors go, however small, and nearer than where rounding errors of stiff bodies equal their
+/// loads.
+constexpr double largest_displacement = 1e6, always_allowed = 1e3;
 
 /// Whether multigrid may take the place of a factorization. In statics and near barriers, the factorization shows
 /// whether a Hessian is definite.
@@ -37,8 +38,8 @@ NewtonOptions newton_options(const Config& config, const Model& model) {
   const auto slenderness = is_slender ? Slenderness::some : Slenderness::none;
   const auto& bounds = model.mesh_report().bounds;
   const double size = std::hypot(bounds[3] - bounds[0], bounds[4] - bounds[1], bounds[5] - bounds[2]);
-  const double reach = size > 0.0 ? largest_displacement * size : std::numeric_limits<double>::infinity();
-  return {relative, newton.absolute, newton.max_iterations, slenderness, reach};
+  return {relative, newton.absolute, newton.max_iterations, slenderness,
+          std::max(largest_displacement * size, always_allowed)};
 }
 
 LinearKind linear_kind(const Config& config, Model& model) {

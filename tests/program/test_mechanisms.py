@@ -272,6 +272,13 @@ loads: [{gravity: [0, 0, -9.81]}]
                 self.assertIn("a method with inertia", told)
                 self.assertLess(np.abs(read_history(self.directory / "out")["shank_z"]).max(), 1)
 
+    def test_small_bodies_go_far(self):
+        """A point on a guide has almost no size; its equilibrium may be anywhere."""
+        h = self.solve("""rigid_bodies: [{name: cart, mass: 1, inertia: [1e-10, 1e-10, 1e-10], center: [0, 0, 0]}]
+joints: [{name: rail, type: slider, between: [ground, cart], point: [0, 0, 0], axis: [1, 0, 0], motor: {target: 100, stiffness: 100}}]
+""", "method: static")
+        self.assertAlmostEqual(h["rail_travel"][-1], 100, delta=1e-6)
+
     def test_kinks_of_motions_are_events(self):
         # The hinge turns at 1 rad/s until 0.033 s, between two nominal steps, and rests from then on.
         h = self.solve(self.chain("hinge", ', motion: "min(t, 0.033)"'), "method: dirk33, step: 10 ms, end: 0.06")
