@@ -387,6 +387,18 @@ loads: [{{force: [0, 0.01, 0.02], volume: NAME}}, {{torque: [0.02, 0, 0], volume
                 self.write("in.yaml", text + hub(more) + "time: {method: bdf2, step: 1 ms, end: 16 ms}\n")
                 self.pliant("converge", "in.yaml", "--in", "time", "--levels", "4", "--methods", ALL_OR_SOME)
 
+    def test_a_hub_rests_when_its_load_is_gone(self):
+        """It is turned back to where it was: what is left of displacements is rounding of those before."""
+        write_box(self.directory / "bar.msh", (5, 1, 1), (1, 0.2, 0.2))
+        h = self.solve("""mesh: {file: bar.msh}
+bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.4}}]
+constraints: [{surface: left, displacement: [0, 0, 0]}]
+rigid_bodies: [{name: hub, mass: 1, inertia: [0.01, 0.01, 0.01], center: [1.1, 0.1, 0.1], attached: [right]}]
+loads: [{volume: hub, force: [0, 0, "t < 0.15 ? -20 : 0"]}]
+""", "method: quasistatic, step: 0.1, end: 1")
+        self.assertGreater(np.abs(h["hub_z"] - 0.1).max(), 0.01)
+        self.assertLess(abs(h["hub_z"][-1] - 0.1), 1e-12)
+
     def test_a_run_goes_on_on_other_ranks(self):
         text = self.thrown() + "time: {method: bdf3, step: 2 ms, end: END}\noutput: {every: 1}\ncheckpoint: {every: 5}\n"
         self.write("whole.yaml", text.replace("END", "0.04"))

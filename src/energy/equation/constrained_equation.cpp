@@ -24,7 +24,7 @@ ConstrainedEquation::ConstrainedEquation(StageEquation& equation, ConstraintMap&
       full_(equation.make_hessian()),
       y_part_(map.make_vector().get()),
       x_part_(map.make_vector().get()) {
-  for (Handle<Vec>* x : {&x_, &d_, &full_gradient_, &y0_, &w0_, &accepted_}) *x = equation.make_vector();
+  for (Handle<Vec>* x : {&x_, &d_, &full_gradient_, &y0_, &w0_, &accepted_, &start_}) *x = equation.make_vector();
   for (KnownGradient& known : known_) {
     known.y = equation.make_vector();
     known.r = equation.make_vector();
@@ -128,6 +128,7 @@ StagePoint ConstrainedEquation::enter(const StagePoint& stage, Vec q, Vec y) {
   fraction_ = 1.0;
   map_.begin_stage(stage, q);
   const StagePoint whole = equation_.enter(stage, q, x_.get());
+  check(VecCopy(x_.get(), start_.get()));
   restrict(x_.get(), y);
   if (map_.is_linear()) return whole;
   check(VecWAXPY(x_.get(), stage.dt, whole.v0, whole.q0));
@@ -380,6 +381,16 @@ double ConstrainedEquation::rounding_floor(Vec y) const {
   {
     const LeadingPart::Of q(x_part_, x_.get()), slaves(y_part_, d_.get());
     map_.weigh_slaves(q.get(), slaves.get());
+  }
+  if (is_static()) {
+    // A part that returns to its place is turned back: its displacements are differences of those at the start.
+    const ConstArrayView start(start_.get());
+    const ArrayView sizes(d_.get());
+    for (const auto& part : map_.dependents()) {
+      for (const PetscInt a : part->nodes()) {
+        for (PetscInt i = 3 * a; i < 3 * a + 3; ++i) sizes[i] = std::max(sizes[i], std::abs(start[i]));
+      }
+    }
   }
   return std::hypot(of_entries, equation_.rounding_floor(d_.get()));
 }

@@ -109,6 +109,7 @@ class ConstrainedEquation final : public StageEquation {
   LeadingPart y_part_, x_part_;
   double fraction_ = 1.0;  // of what is prescribed
   Handle<Vec> x_, d_, full_gradient_, y0_, w0_, accepted_;
+  Handle<Vec> start_;  // x where the stage begins, from which dependent nodes are turned
   std::array<KnownGradient, 2> known_;
   std::size_t last_known_ = 0;
 };
