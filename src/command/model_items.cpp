@@ -13,7 +13,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
@@ -64,6 +66,7 @@ class Collector {
 
   std::vector<ModelItem> take() {
     add_constraints();
+    add_attached();
     add_loads();
     add_shells();
     add_cavities();
@@ -129,6 +132,26 @@ class Collector {
     }
   }
 
+  void add_attached() {
+    const auto add_surfaces = [&](const std::string& body, const std::vector<Located<std::string>>& names, auto how) {
+      for (const Located<std::string>& name : names) {
+        Selection part;
+        part.kind = Selection::Kind::surface;
+        part.name = name.value;
+        part.where = name.where;
+        add(ModelItem::Kind::constraint, named(body, describe(part)), how).points = places(selections_.nodes(part));
+      }
+    };
+    const auto add_bodies = [&](const auto& bodies, const auto& name_of) {
+      for (const auto& body : bodies) {
+        add_surfaces(name_of(body), body.attached, "attached");
+        add_surfaces(name_of(body), body.coupled, "coupled in the mean");
+      }
+    };
+    add_bodies(config_.bodies, [](const BodyConfig& body) { return body.part.name; });
+    add_bodies(config_.rigid_bodies, [](const RigidBodyConfig& body) { return body.name; });
+  }
+
   /// Forces of a load on the local nodes [N].
   std::vector<double> forces(const LoadConfig& load, const Instant& at) const {
     std::vector<double> sum(q_.size(), 0.0);
@@ -173,7 +196,13 @@ class Collector {
         continue;
       }
       const auto center = point_of_force(load, nodes);
-      set_arrows(item, nodes, forces(load, model_.instant(when, 1.0)), acts_on_volumes || center);
+      const auto at_largest = forces(load, model_.instant(when, 1.0));
+      if (acts_on_volumes) {
+        const bool acts_on_all = load.part.kind == Selection::Kind::everything;  // bodies without a mesh, too
+        set_arrows(item, acts_on_all ? owned_nodes() : nodes, at_largest, bodies_of_nodes());
+      } else {
+        set_arrows(item, nodes, at_largest, center ? places_of_one() : places_near_each_other());
+      }
       if (center) item.points.assign(center->begin(), center->end());
       if (when > 0.0) item.text += fmt::format("; arrows: at {:.4g} s, when it is largest", when);
     }
@@ -190,35 +219,70 @@ class Collector {
     return center + nearest_placement(layout_, nodes, center, at_start_).translation;
   }
 
-  /// Resultants of the forces near each other, at the middles of their nodes; of all where `in_one`.
-  void set_arrows(ModelItem& item, const std::vector<PetscInt>& nodes, const std::vector<double>& forces,
-                  bool in_one) const {
-    std::vector<double> mine;
-    for (const PetscInt node : nodes) {
-      const Vector3<double> x = place(node);
-      const double* const f = forces.data() + 3 * node;
-      mine.insert(mine.end(), {x[0], x[1], x[2], f[0], f[1], f[2]});
-    }
-    const std::vector<double> all = gathered(layout_.comm, mine);
+  std::vector<PetscInt> owned_nodes() const {
+    std::vector<PetscInt> nodes(static_cast<std::size_t>(layout_.num_owned_nodes));
+    std::iota(nodes.begin(), nodes.end(), 0);
+    return nodes;
+  }
+
+  /// What forces at nodes have one arrow for: those with the same key.
+  using ArrowKey = std::array<double, 3>;
+  using ArrowOfNode = std::function<ArrowKey(PetscInt node)>;
+
+  static ArrowOfNode places_of_one() {
+    return [](PetscInt) { return ArrowKey{}; };
+  }
+  ArrowOfNode places_near_each_other() const {
     const auto& b = model_.mesh_report().bounds;
     const double cell = spacing_of_arrows * std::hypot(b[3] - b[0], b[4] - b[1], b[5] - b[2]);
-    struct Sum {
-      std::array<double, 6> numbers{};
-      double count = 0.0;
+    return [this, cell](PetscInt node) {
+      const Vector3<double> x = place(node);
+      ArrowKey key{};
+      for (std::size_t i = 0; i < 3 && cell > 0.0; ++i) key[i] = std::round(x[i] / cell);
+      return key;
     };
-    std::map<std::array<long long, 3>, Sum> sums;
-    for (std::size_t k = 0; k < all.size(); k += 6) {
-      std::array<long long, 3> key{};
-      for (std::size_t i = 0; i < 3 && !in_one && cell > 0.0; ++i) key[i] = std::llround(all[k + i] / cell);
+  }
+  ArrowOfNode bodies_of_nodes() const {
+    std::vector<int> body_of(static_cast<std::size_t>(layout_.num_local_nodes), -1);
+    for (PetscInt c = 0; c < layout_.num_local_cells; ++c) {
+      for (const PetscInt node : layout_.nodes_of_cell(c)) {
+        body_of[static_cast<std::size_t>(node)] = model_.body_of_cell()[static_cast<std::size_t>(c)];
+      }
+    }
+    return [body_of = std::move(body_of)](PetscInt node) {
+      return ArrowKey{static_cast<double>(body_of[static_cast<std::size_t>(node)])};
+    };
+  }
+
+  /// Resultants of the forces with the same key, at the middles of their nodes, weighted by the forces' sizes.
+  void set_arrows(ModelItem& item, const std::vector<PetscInt>& nodes, const std::vector<double>& forces,
+                  const ArrowOfNode& key_of) const {
+    struct Force {
+      ArrowKey key;
+      Vector3<double> place, force;
+    };
+    std::vector<Force> mine;
+    for (const PetscInt node : nodes) {
+      const double* const f = forces.data() + 3 * node;
+      mine.push_back({key_of(node), place(node), {f[0], f[1], f[2]}});
+    }
+    struct Sum {
+      Vector3<double> place{}, force{};
+      double size = 0.0;
+    };
+    std::map<ArrowKey, Sum> sums;
+    for (const auto& [key, x, force] : gathered(layout_.comm, mine)) {
+      const double size = norm(force);
       Sum& sum = sums[key];
-      for (std::size_t i = 0; i < 6; ++i) sum.numbers[i] += all[k + i];
-      sum.count += 1.0;
+      sum.place = sum.place + size * x;
+      sum.force = sum.force + force;
+      sum.size += size;
     }
     for (const auto& [key, sum] : sums) {
-      for (std::size_t i = 0; i < 3; ++i) {
-        item.points.push_back(sum.numbers[i] / sum.count);
-        item.vectors.push_back(sum.numbers[i + 3]);
-      }
+      if (!(sum.size > 0.0)) continue;
+      const Vector3<double> middle = (1.0 / sum.size) * sum.place;
+      item.points.insert(item.points.end(), middle.begin(), middle.end());
+      item.vectors.insert(item.vectors.end(), sum.force.begin(), sum.force.end());
     }
   }
 

@@ -177,6 +177,7 @@ void Contacts::add_surfaces(const ContactBodies& bodies) {
     const double total = sum(layout_.comm, area[b]), count = sum(layout_.comm, number[b]);
     const double size = count > 0.0 ? std::sqrt(2.0 * total / count) : 1.0;  // legs of a right triangle
     facet_sizes_.push_back(size);
+    has_facets_.push_back(count > 0.0 ? 1 : 0);
     const ContactPressureConfig& given = config_.pressure;
     const double thickness = bodies.thin.thickness[b];
     const double modulus = contact_modulus(bodies.shear_moduli[b], thickness, size);
@@ -199,6 +200,7 @@ void Contacts::make_terms_of_obstacles(bool has_velocity) {
     const Friction friction = config_.friction(o.drag);
     const NormalDamping damping = config_.damping(o.drag);
     for (std::size_t b = 0; b < surfaces_.size(); ++b) {
+      if (has_facets_[b] == 0) continue;
       ContactGroup of_pair{o.name + "_" + body_names_[b], ContactGroup::Kind::obstacle_on_body, {}};
       const auto add = [&](std::unique_ptr<EnergyTerm> term) {
         of_obstacle.terms.push_back(term.get());
@@ -284,9 +286,7 @@ std::vector<Diagnostic> Contacts::warnings_about_start(const Instant& at, const 
   const auto warn = [&](const Location& where, std::string message) {
     warnings.push_back({Severity::warning, where, std::move(message)});
   };
-  std::vector<char> has_facets;
-  for (const auto& surface : surfaces_) has_facets.push_back(any_rank(layout_.comm, surface->facets().size() > 0));
-  if (!obstacles_.empty() && std::ranges::find(has_facets, 1) == has_facets.end()) {
+  if (!obstacles_.empty() && std::ranges::find(has_facets_, 1) == has_facets_.end()) {
     warn(
         config_.where,
         "nothing can touch the obstacles: constraints prescribe every displacement of the surface that may touch them");
@@ -304,7 +304,7 @@ std::vector<Diagnostic> Contacts::warnings_about_start(const Instant& at, const 
     }
     for (std::size_t b = 0; b < body_names_.size(); ++b) {
       const double width = widths_[k], spacing = spacing_per_facet * facet_sizes_[b];
-      if (has_facets[b] && width < spacing) {
+      if (has_facets_[b] != 0 && width < spacing) {
         warn(
             o.where,
             fmt::format(

@@ -104,6 +104,7 @@ class Contacts {
   std::vector<std::shared_ptr<const ContactSurface>> surfaces_;  // of the bodies
   std::vector<int> surface_of_node_;                             // per owned node: its body, -1 inside the bodies
   std::vector<double> facet_sizes_;                              // per body [m]
+  std::vector<char> has_facets_;                                 // per body, on any rank
   std::vector<std::unique_ptr<EnergyTerm>> terms_;
   std::vector<Pair> pairs_;
   std::vector<ContactGroup> groups_;

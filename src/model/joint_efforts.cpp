@@ -50,15 +50,17 @@ std::optional<int> rigid_body_of(const Config& config, const ConstraintConfig& c
 
 }  // namespace
 
-std::vector<std::unique_ptr<EnergyTerm>> make_joint_efforts(const Config& config, const NodeLayout& layout,
-                                                            const std::vector<int>& body_of_cell,
-                                                            std::span<const ModelJoint> joints) {
+JointEfforts make_joint_efforts(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,
+                                std::span<const ModelJoint> joints) {
+  JointEfforts efforts;
   const bool is_static = analysis_of(config) == Analysis::static_equilibrium;
   std::vector<JointBody> bodies;
   std::array<std::vector<JointEffort::Joint>, std::variant_size_v<JointLaw>> of_kinds;
+  efforts.laws.resize(joints.size());
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const JointConfig& given = config.joints[j];
-    auto laws = laws_of(given, is_static);
+    std::vector<JointLaw>& laws = efforts.laws[j];
+    laws = laws_of(given, is_static);
     if (const auto bearing = bearing_of(given, joints[j], is_static)) laws.emplace_back(*bearing);
     if (laws.empty() && !given.limits) continue;
     JointEffort::Joint joint{{-1, -1}, coordinate_of_joint(joints[j]), {}, joints[j].angle};
@@ -85,31 +87,22 @@ std::vector<std::unique_ptr<EnergyTerm>> make_joint_efforts(const Config& config
     }
   }
   std::ranges::sort(bodies, {}, &JointBody::key);
-  std::vector<std::unique_ptr<EnergyTerm>> terms;
   for (auto& of_kind : of_kinds) {
-    if (!of_kind.empty()) terms.push_back(std::make_unique<JointEffort>(bodies, std::move(of_kind)));
-  }
-  return terms;
-}
-
-std::vector<std::string> names_of_efforts(const JointConfig& joint, bool is_static) {
-  std::vector<std::string> names;
-  for (const JointLaw& law : laws_of(joint, is_static)) {
-    names.emplace_back(std::holds_alternative<JointSpring>(law)   ? "_spring"
-                       : std::holds_alternative<JointDamper>(law) ? "_damping"
-                       : std::holds_alternative<JointMotor>(law)  ? "_effort"
-                                                                  : "_friction");
-  }
-  return names;
-}
-
-std::vector<double> efforts_of(const JointConfig& joint, bool is_static, double coordinate, double rate, double time,
-                               double factor) {
-  std::vector<double> efforts;
-  for (const JointLaw& law : laws_of(joint, is_static)) {
-    efforts.push_back(joint_effort(law, coordinate, rate, time, factor).effort);
+    if (!of_kind.empty()) efforts.terms.push_back(std::make_unique<JointEffort>(bodies, std::move(of_kind)));
   }
   return efforts;
+}
+
+std::string_view ending_of(const JointLaw& law) {
+  struct Ending {
+    std::string_view operator()(const JointSpring&) const { return "_spring"; }
+    std::string_view operator()(const JointDamper&) const { return "_damping"; }
+    std::string_view operator()(const JointMotor&) const { return "_effort"; }
+    std::string_view operator()(const JointStops&) const { return "_stops"; }
+    std::string_view operator()(const JointFriction&) const { return "_friction"; }
+    std::string_view operator()(const BearingFriction&) const { return "_bearing"; }
+  };
+  return std::visit(Ending{}, law);
 }
 
 void require_finite_formulas(const Config& config, double time) {

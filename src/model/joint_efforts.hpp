@@ -7,22 +7,23 @@
 
 #include <memory>
 #include <span>
-#include <string>
+#include <string_view>
 #include <vector>
 
 namespace pliant {
 
-/// One term for each kind of law that joints have. `config`: with all rigid bodies. Throws InputError at a joint whose
-/// bodies are parts of soft ones. In a static analysis rates do nothing. Collective.
-std::vector<std::unique_ptr<EnergyTerm>> make_joint_efforts(const Config& config, const NodeLayout& layout,
-                                                            const std::vector<int>& body_of_cell,
-                                                            std::span<const ModelJoint> joints);
+struct JointEfforts {
+  std::vector<std::unique_ptr<EnergyTerm>> terms;  ///< one for each kind of law that joints have
+  std::vector<std::vector<JointLaw>> laws;         ///< of each joint
+};
+/// `config`: with all rigid bodies. Throws InputError at a joint whose bodies are parts of soft ones. In a static
+/// analysis rates do nothing. Collective.
+JointEfforts make_joint_efforts(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,
+                                std::span<const ModelJoint> joints);
 
-/// What a joint's spring, damper, dry friction and motor exert, those that it has: the columns' endings.
-std::vector<std::string> names_of_efforts(const JointConfig& joint, bool is_static);
-/// In the same order [N m] or [N]. `factor`: of loads in a static analysis.
-std::vector<double> efforts_of(const JointConfig& joint, bool is_static, double coordinate, double rate, double time,
-                               double factor);
+/// The ending of the column of what a law exerts: `_spring`, `_damping`, `_effort` of a motor, `_stops`, `_friction`,
+/// `_bearing`.
+std::string_view ending_of(const JointLaw& law);
 
 /// Throws InputError at a formula of a joint or tendon that is not finite at the time [s].
 void require_finite_formulas(const Config& config, double time);

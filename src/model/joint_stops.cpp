@@ -75,16 +75,6 @@ class Inertia {
   const ModelJoint& joint_;
 };
 
-/// The coordinate of a joint from the middle of its limits. Collective.
-double from_middle_of_limits(const JointConfig& given, const ModelJoint& joint, Vec q, Vec v) {
-  const auto& [low, high] = *given.limits;
-  const auto bodies = joint.mechanism->states(joint.bodies, q, v);
-  const double coordinate = joint.angle != nullptr ? angle_of_joint(joint, bodies)
-                                                   : coordinate_of(JointTravel{joint.point, joint.axis},
-                                                                   bodies[0].motion(), bodies[1].motion());
-  return coordinate - 0.5 * (low + high);
-}
-
 }  // namespace
 
 JointCoordinate coordinate_of_joint(const ModelJoint& joint) {
@@ -93,9 +83,12 @@ JointCoordinate coordinate_of_joint(const ModelJoint& joint) {
   return JointAngle{e, f};
 }
 
-double beyond_limits(const JointConfig& given, const ModelJoint& joint, Vec q, Vec v) {
-  const auto& [low, high] = *given.limits;
-  return std::abs(from_middle_of_limits(given, joint, q, v)) / (high - low) - 0.5;
+double beyond_stops(const JointStops& stops, const ModelJoint& joint, Vec q, Vec v) {
+  const auto bodies = joint.mechanism->states(joint.bodies, q, v);
+  const double coordinate = joint.angle != nullptr ? angle_of_joint(joint, bodies)
+                                                   : coordinate_of(JointTravel{joint.point, joint.axis},
+                                                                   bodies[0].motion(), bodies[1].motion());
+  return std::max(stops.low - coordinate, coordinate - stops.high);
 }
 
 JointStops make_joint_stops(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,

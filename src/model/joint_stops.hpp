@@ -13,8 +13,8 @@ namespace pliant {
 /// The angle of a hinge or the travel of a slider.
 JointCoordinate coordinate_of_joint(const ModelJoint& joint);
 
-/// How far a joint is beyond its limits, relative to the range between them; negative: within. Collective.
-double beyond_limits(const JointConfig& given, const ModelJoint& joint, Vec q, Vec v);
+/// How far a joint is beyond its stops [rad] or [m]; negative: between them. Collective.
+double beyond_stops(const JointStops& stops, const ModelJoint& joint, Vec q, Vec v);
 
 /// The stops of a joint with limits between rigid bodies (numbers among those of `config`; JointEquation::ground). What
 /// the input does not give follows from masses and the step: a body that strikes a stop is thrown back after a few

@@ -341,7 +341,7 @@ std::vector<const EnergyTerm*> Model::active_terms(const Config& config) const {
   for (const auto& term : elastic_) terms.push_back(term.get());
   for (const auto& term : active_) terms.push_back(term.get());
   for (const auto& term : viscous_) terms.push_back(term.get());
-  for (const auto& term : joint_efforts_) terms.push_back(term.get());
+  for (const auto& term : joint_efforts_.terms) terms.push_back(term.get());
   for (const ModelTendon& tendon : tendons_) {
     terms.push_back(tendon.term.get());
     if (tendon.friction && has_velocity) terms.push_back(tendon.friction.get());

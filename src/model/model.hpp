@@ -14,6 +14,7 @@
 #include "model/contacts.hpp"
 #include "model/couplings.hpp"
 #include "model/field_regions.hpp"
+#include "model/joint_efforts.hpp"
 #include "model/loads.hpp"
 #include "model/mesh_groups.hpp"
 #include "model/rods.hpp"
@@ -64,6 +65,8 @@ class Model {
   Constraints& constraints() { return *constraints_; }
   /// The input's joints; those of constraints() have the same order.
   const std::vector<JointConfig>& given_joints() const { return config_.joints; }
+  /// The laws of a joint, in the order of its columns.
+  const std::vector<JointLaw>& laws_of_joint(std::size_t joint) const { return joint_efforts_.laws[joint]; }
   const std::vector<ModelTendon>& tendons() const { return tendons_; }
   const ModelSprings& springs() const { return springs_; }
   const ModelRods& rods() const { return rods_; }
@@ -165,7 +168,7 @@ class Model {
   std::vector<std::unique_ptr<EnergyTerm>> softening_;
   std::vector<std::unique_ptr<EnergyTerm>> active_;
   std::vector<std::unique_ptr<EnergyTerm>> viscous_;
-  std::vector<std::unique_ptr<EnergyTerm>> joint_efforts_;
+  JointEfforts joint_efforts_;
   std::vector<ModelTendon> tendons_;
   ModelSprings springs_;
   ModelRods rods_;

@@ -1,7 +1,6 @@
 #include "model/rigid_states.hpp"
 
 #include "energy/rigid/rigid_fit.hpp"
-#include "input/analysis.hpp"
 #include "model/joint_efforts.hpp"
 #include "model/joint_turns.hpp"
 #include "model/rigid_bodies.hpp"
@@ -21,8 +20,7 @@ bool has_travel(JointType type) {
 
 }  // namespace
 
-RigidStates::RigidStates(const Config& config, const Model& model)
-    : model_(model), joints_(config.joints), is_static_(analysis_of(config) == Analysis::static_equilibrium) {
+RigidStates::RigidStates(const Config& config, const Model& model) : model_(model) {
   const NodeLayout& layout = model.layout();
   const Config completed = with_rigid_bodies(config);
   for (std::size_t b = 0; b < completed.bodies.size(); ++b) {
@@ -55,13 +53,13 @@ std::vector<std::string> RigidStates::columns() const {
     add(body.name, "_q");
     add(body.name, "_w");
   }
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const ModelJoint& joint = model_.constraints().joints()[j];
-    const JointConfig& given = joints_[j];
+  const auto& joints = model_.constraints().joints();
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const ModelJoint& joint = joints[j];
     if (joint.angle != nullptr) names.push_back(joint.name + "_angle");
     if (has_travel(joint.type)) names.push_back(joint.name + "_travel");
     if ((joint.angle != nullptr) != has_travel(joint.type)) names.push_back(joint.name + "_rate");
-    for (const std::string& ending : names_of_efforts(given, is_static_)) names.push_back(joint.name + ending);
+    for (const JointLaw& law : model_.laws_of_joint(j)) names.push_back(joint.name + std::string(ending_of(law)));
     add(joint.name, "_f");
     add(joint.name, "_t");
   }
@@ -111,7 +109,9 @@ std::vector<double> RigidStates::values(const Instant& at, Vec q, Vec v,
     }
     if ((joint.angle != nullptr) != has_travel(joint.type)) result.push_back(rate);
     const double coordinate = result.size() > first ? result[first] : 0.0;
-    add(efforts_of(joints_[j], is_static_, coordinate, rate, at.time, at.load_factor));
+    for (const JointLaw& law : model_.laws_of_joint(j)) {
+      result.push_back(joint_effort(law, coordinate, rate, at.time, at.load_factor).effort);
+    }
     const JointReaction reaction = j < reactions.size() ? reactions[j] : JointReaction{};
     add(reaction.force);
     add(reaction.torque);

@@ -11,8 +11,7 @@ namespace pliant {
 /// Observes the rigid bodies of a model, with a mesh and without, and its joints. Columns and values are in the same
 /// order: for each body `<name>_x, _y, _z` (centre of mass [m]), `_vx, _vy, _vz` [m/s], `_qw, _qx, _qy, _qz` (rotation
 /// since the start, a unit quaternion with qw >= 0), `_wx, _wy, _wz` (angular velocity in space [rad/s]); for each
-/// joint `<name>_angle` with whole turns [rad] or `<name>_travel` [m], `<name>_rate`, what its spring, damper, dry
-/// friction and motor exert (`<name>_spring, _damping, _friction, _effort`),
+/// joint `<name>_angle` with whole turns [rad] or `<name>_travel` [m], `<name>_rate`, what its laws exert (ending_of),
 /// `<name>_fx, _fy, _fz` [N], `_tx, _ty, _tz` (force and torque on the second body, at the joint [N m]).
 class RigidStates {
  public:
@@ -31,8 +30,6 @@ class RigidStates {
   };
   const Model& model_;
   std::vector<Body> bodies_;
-  std::vector<JointConfig> joints_;
-  bool is_static_;
 };
 
 }  // namespace pliant

@@ -145,7 +145,6 @@ MotionWatch::MotionWatch(const Config& config, const Model& model)
       mesh_(config.mesh.file.where),
       is_static_(analysis_of(config) == Analysis::static_equilibrium),
       overlap_is_known_(model.overlaps_at_start()),
-      joints_(config.joints),
       are_beyond_(config.joints.size(), 0) {
   for (std::size_t b = 0; b < model.body_names().size(); ++b) {
     if (b >= config.bodies.size() || config.bodies[b].is_rigid) {
@@ -276,17 +275,23 @@ std::optional<std::string> MotionWatch::look_for_passage(const StepRecord& recor
 }
 
 std::vector<std::string> MotionWatch::look_at_joints(const StepRecord& record) {
-  constexpr double far = 0.1;  // of the range
+  constexpr double far = 100.0;  // roundings of a stop: a tenth of the range, of 1 rad or of the size of the bodies
+  const auto& joints = model_.constraints().joints();
   std::vector<std::string> news;
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    if (!joints_[j].limits || are_beyond_[j] != 0) continue;
-    const double beyond = beyond_limits(joints_[j], model_.constraints().joints()[j], record.q, record.v);
-    if (beyond < far) continue;
-    are_beyond_[j] = 1;
-    news.push_back(
-        fmt::format("{}: at {} joint '{}' is beyond its limits by {:.2g} of the range between them: shorten "
-                    "the step, or give a larger 'limit_stiffness'",
-                    to_string(joints_[j].where), instant(progress(record)), joints_[j].name, beyond));
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (are_beyond_[j] != 0) continue;
+    for (const JointLaw& law : model_.laws_of_joint(j)) {
+      const auto* stops = std::get_if<JointStops>(&law);
+      if (stops == nullptr) continue;
+      const double beyond = beyond_stops(*stops, joints[j], record.q, record.v);
+      if (beyond < far * stops->rounding) continue;
+      are_beyond_[j] = 1;
+      news.push_back(
+          fmt::format("{}: at {} joint '{}' is beyond its limits by {:.3g} {}: shorten the step, or give a "
+                      "larger 'limit_stiffness'",
+                      to_string(model_.given_joints()[j].where), instant(progress(record)), joints[j].name, beyond,
+                      joints[j].angle != nullptr ? "rad" : "m"));
+    }
   }
   return news;
 }

@@ -86,7 +86,6 @@ class MotionWatch {
   bool is_static_;
   bool overlap_is_known_;  // the user has been warned
   std::vector<Body> bodies_;
-  std::vector<JointConfig> joints_;
   std::vector<char> are_beyond_;  // per joint: the user has been warned
   std::vector<GivenTension> tendons_;
 };

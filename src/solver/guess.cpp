@@ -160,10 +160,22 @@ std::optional<std::string> GuessSearch::try_prescribed_motion(Vec accepted, Vec 
   if (std::isfinite(measure)) return std::nullopt;
   if (applied == Applied::nothing) {
     return equation_.has_walls() ? "an obstacle or a prescribed surface moves across a gap within one step"
-                                 : "a prescribed motion, of a surface or of a joint, is too large for one step";
+           : moves_what_is_prescribed(accepted, q)
+               ? "a prescribed motion, of a surface or of a joint, is too large for one step"
+               : "no state near the last one has finite forces and energies";
   }
   return "the prescribed displacement is too large for one step: a tetrahedron would invert, or an obstacle or "
          "another body is in the way";
+}
+
+bool GuessSearch::moves_what_is_prescribed(Vec accepted, Vec guess) {
+  check(VecCopy(accepted, trial_.get()));
+  equation_.set_prescribed_fraction(0.0);
+  check(VecCopy(equation_.displacements(trial_.get()), end_.get()));
+  copy_entries(guess, trial_.get(), equation_.prescribed(), EntryKind::prescribed);
+  equation_.set_prescribed_fraction(1.0);
+  check(VecAXPY(end_.get(), -1.0, equation_.displacements(trial_.get())));
+  return norm(end_.get()) != 0.0;  // or not a number: no configuration fulfils the motion
 }
 
 // After a release or a jump of the loads the extrapolated state may lie beyond a

@@ -65,6 +65,8 @@ class GuessSearch {
   /// tangent stiffness, in as many straight displacements as necessary. q ends at the state reached. `target` has the
   /// prescribed entries of q.
   Applied apply_prescribed_motion(Vec accepted, Vec target, Vec q);
+  /// Whether the prescribed motion of the step moves anything; `guess` has its values.
+  bool moves_what_is_prescribed(Vec accepted, Vec guess);
   /// Whether an extrapolated state is farther from equilibrium than the start of the step after the prescribed motion.
   bool overshoots(Vec extrapolated, Vec start);
   /// Sets the prescribed entries of x to a fraction of the prescribed motion; leaves its free entries as they are.

@@ -118,10 +118,11 @@ std::string LabelledHistory::unit(const std::string& column) const {
   if (column == "time" || column == "dt") return abscissa == Abscissa::time ? "s" : "";
   const auto named = units.find(column);
   if (named != units.end()) return named->second;
-  // What a joint moves by says what its motor, spring, damper and friction exert.
+  // What a joint moves by says what its laws exert.
   for (const auto& [ending, of_angle, of_travel] :
        {std::array{"_effort", "N m", "N"}, std::array{"_spring", "N m", "N"}, std::array{"_damping", "N m", "N"},
-        std::array{"_friction", "N m", "N"}, std::array{"_rate", "rad/s", "m/s"}}) {
+        std::array{"_friction", "N m", "N"}, std::array{"_bearing", "N m", "N"}, std::array{"_stops", "N m", "N"},
+        std::array{"_rate", "rad/s", "m/s"}}) {
     if (!column.ends_with(ending)) continue;
     const std::string joint = column.substr(0, column.size() - std::string_view(ending).size());
     if (table.find(joint + "_angle") != nullptr) return of_angle;

@@ -44,7 +44,8 @@ const MECHANISMS = [
   { ending: "_tension", title: "Tension of tendons", unit: "N" }, { ending: "_force", title: "Force of springs", unit: "N" },
   { ending: "_length", title: "Length of tendons and springs", unit: "m" }, { ending: "_angle", title: "Angles of joints", unit: "rad" },
   { ending: "_travel", title: "Travel of joints", unit: "m" },
-  ...[["_effort", "motors"], ["_spring", "springs of joints"], ["_damping", "dampers of joints"], ["_friction", "friction in joints"]].flatMap(
+  ...[["_effort", "motors"], ["_spring", "springs of joints"], ["_damping", "dampers of joints"], ["_friction", "friction in joints"],
+    ["_bearing", "friction in bearings"], ["_stops", "stops of joints"]].flatMap(
     ([ending, of]) => [{ ending, title: `Torques of ${of}`, unit: "N m", with: "_angle" }, { ending, title: `Forces of ${of}`, unit: "N", with: "_travel" }]),
 ];
 

@@ -77,6 +77,7 @@ class Compare(ProgramTest):
         """Those of columns from fields follow from the input, those of motors from the columns of their joints; plots have handy ones."""
         units = {"lift_travel": "m", "lift_effort": "N", "lift_rate": "m/s", "knuckle_angle": "rad", "knuckle_effort": "N m", "knuckle_rate": "rad/s",
                  "lift_spring": "N", "lift_friction": "N", "knuckle_spring": "N m", "knuckle_damping": "N m",
+                 "lift_bearing": "N", "knuckle_stops": "N m",
                  "pull": "N", "work": "J", "size": "m^3", "area": "m^2", "moved": "m^3", "error": "m^2.5", "peak": "Pa", "there": "m", "side": "N m"}
         entries = [("pull", "first_piola_kirchhoff_stress_xx", "take: integral, in: right"), ("work", "energy_density", "take: integral, in: bar"),
                    ("size", "volume_ratio", "take: integral"), ("area", "volume_ratio", "take: integral, in: right"),

@@ -306,11 +306,15 @@ loads: [{gravity: [0, -9.81, 0]}]
             pushed = swing.replace("MORE", ", limit_stiffness: 1000, motor: {effort: 2}").replace("loads: [{gravity: [0, -9.81, 0]}]\n", "")
             h = self.solve(pushed, "method: static, load_steps: 2")
             np.testing.assert_allclose(h["pivot_angle"][-1], 0.4 + 2 / 1000 + 0.5e-3, rtol=1e-9)
+            np.testing.assert_allclose(h["pivot_stops"], -h["pivot_effort"], rtol=1e-6)
         with self.subTest("far beyond"):
             fast = swing.replace("MORE", ", limit_stiffness: 1")
             self.write("fast.yaml", fast + "time: {method: bdf2, step: 10 ms, end: 1}\n")
             told = self.pliant("run", "fast.yaml", "--quiet").stderr
             self.assertEqual(told.count("joint 'pivot' is beyond its limits by"), 1, told)
+            self.write("fast.yaml", fast.replace("0.4]", "1e6]") + "time: {method: bdf2, step: 10 ms, end: 1}\n")
+            told = self.pliant("run", "fast.yaml", "--quiet").stderr
+            self.assertRegex(told, r"joint 'pivot' is beyond its limits by 0\.\d+ rad")
         with self.subTest("beyond half a turn"):
             wheel = """rigid_bodies: [{name: wheel, mass: 1, inertia: [1, 1, 1], center: [0, 0, 0], angular_velocity: [0, 0, 8]}]
 joints: [{name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], axis: [0, 0, 1], limits: [0, 4], damping: 1}]
@@ -371,6 +375,8 @@ loads: [{gravity: [0, -10, 0]}]
             lost = h["kinetic_energy"][0] - h["kinetic_energy"][-1]
             self.assertAlmostEqual(h["dissipated_bearing_friction"][-1], lost, delta=1e-4 * lost)
             self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-10)
+            np.testing.assert_allclose(h["axle_bearing"][1:], -0.2 * 0.01 * 40, rtol=1e-9)
+            self.assertEqual(h["axle_bearing"][0], 0)
             # A thrust is carried at the same radius.
             h = self.solve(wheel.replace("[0, -10, 0]", "[0, 0, -10]"), "method: dirk33, step: 10 ms, end: 0.2")
             np.testing.assert_allclose(h["wheel_wz"], 3 - 0.2 * 0.01 * 40 / 0.05 * h["time"], atol=1e-5)

@@ -98,6 +98,19 @@ time: {method: bdf2, step: 10 ms, end: 0.1}
             np.testing.assert_allclose(points, [[0.5, 0.1, 0.11]], rtol=1e-9)
             np.testing.assert_allclose(forces, [[0, 3, 0]], atol=1e-9)
 
+    def test_bodies_without_a_mesh(self):
+        """Each body has its weight, where its mass is; surfaces that are attached are listed."""
+        masses = "rigid_bodies: [{name: hub, mass: 2, inertia: [1, 1, 1], center: [1.5, 0.1, 0.3], attached: [right]}]\ninitial:"
+        self.write("bar.yaml", INPUT.replace("initial:", masses).replace("  - {surface: front, symmetry: plane}\n", ""))
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                self.check("--html", ranks=ranks)
+                items = Page(self.directory / "bar.html").items
+                _, points, forces = items["load", "the whole mesh"]
+                np.testing.assert_allclose(points, [[0.5, 0.1, 0.11], [1.5, 0.1, 0.31]], atol=1e-9)
+                np.testing.assert_allclose(forces, [[0, 0, -9.81 * 1200 * 0.04], [0, 0, -9.81 * 2]], rtol=1e-9, atol=1e-9)
+                self.assertEqual(len(items["constraint", "hub (surface 'right')"][1]), 9)
+
     def test_ranks(self):
         self.check("--html", "one.html")
         self.check("--html", "several.html", ranks=3)

@@ -46,16 +46,17 @@ TEST_F(Newton, AStiffBodyTakesFewIterations) {
 }
 
 // A start pressed to half its size: Hessians there are indefinite; the fallback sequence brings the body back to rest.
+// St. Venant-Kirchhoff's law has other equilibria there, and is pressed less.
 TEST_F(Newton, ACompressedStartConvergesOnProjectedHessians) {
   for (const auto kind : {LinearKind::cholesky, LinearKind::amg}) {
-    for (const auto* name : {"saint-venant-kirchhoff", "neo-hookean"}) {
+    for (const auto& [name, part] : {std::pair{"saint-venant-kirchhoff", 0.7}, std::pair{"neo-hookean", 1.0}}) {
       ProblemSpec spec = clamped(make_law(name, 1e6, 0.3));
       spec.newton.relative = 1e-10;
       spec.linear = kind;
       Problem problem(comm, mesh(3), spec);
-      const auto start = problem.solid().vector([](const Point& x) {
-        return Point{-0.4 * x[0], -0.3 * x[0] * (x[1] - 0.5) + 0.03 * x[0] * test::rough(x, 1, 1),
-                     -0.3 * x[0] * (x[2] - 0.5)};
+      const auto start = problem.solid().vector([s = part](const Point& x) {
+        return Point{-0.4 * s * x[0], -0.3 * s * x[0] * (x[1] - 0.5) + 0.03 * x[0] * test::rough(x, 1, 1),
+                     -0.3 * s * x[0] * (x[2] - 0.5)};
       });
       const auto v0 = problem.solid().vector(test::at_rest), q = problem.solid().vector(test::at_rest);
       const auto report = problem.solve(1.0, 1.0, start, v0, q);

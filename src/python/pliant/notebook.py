@@ -88,8 +88,8 @@ def run_in_a_line(run: "Run") -> str:
 # ------------------------------------------------------------------------------------------------------------ as HTML
 
 
-# Columns of joints: what motors, springs, dampers and friction exert.
-EFFORTS = ("_effort", "_spring", "_damping", "_friction")
+# Columns of joints: what motors, springs, dampers, friction, bearings and stops exert.
+EFFORTS = ("_effort", "_spring", "_damping", "_friction", "_bearing", "_stops")
 
 
 def unit_of(column: str, history: "Iterable[str]" = ()) -> str:

@@ -171,7 +171,7 @@ MECHANISMS = (("_pressure", "Pressure in cavities", "gauge pressure [Pa]"), ("_v
               ("_length", "Length of tendons and springs", "length [m]"), ("_angle", "Angles of joints", "angle [rad]"),
               ("_travel", "Travel of joints", "travel [m]"),
               *((ending, f"{quantity.capitalize()}s of {of}", f"{quantity} [{unit}]")
-                for ending, of in zip(EFFORTS, ("motors", "springs of joints", "dampers of joints", "friction in joints"))
+                for ending, of in zip(EFFORTS, ("motors", "springs of joints", "dampers of joints", "friction in joints", "friction in bearings", "stops of joints"))
                 for quantity, unit in (("torque", "N m"), ("force", "N"))))
 
 
