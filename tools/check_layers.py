@@ -44,7 +44,7 @@ ROOMS = {
     },
 }
 # Sources that need no header: programs, and those that implement parts of another header still.
-WITHOUT_HEADER = {"energy/constraint/mechanism_columns.cpp", "energy/constraint/mechanism_forces.cpp", "model/constraint_reactions.cpp", "energy/constraint/rigid_part_given.cpp", "energy/rod/rods_start.cpp", "energy/contact/touching_penalty.cpp", "binding/module.cpp", "command/main.cpp", "command/command_line_python.cpp", "command/command_line_studies.cpp", "solver/petsc_integrator_start.cpp"}
+WITHOUT_HEADER = {"base/formula_tree_reader.cpp", "energy/constraint/mechanism_columns.cpp", "energy/constraint/mechanism_forces.cpp", "model/constraint_reactions.cpp", "energy/constraint/rigid_part_given.cpp", "energy/rod/rods_start.cpp", "energy/contact/touching_penalty.cpp", "binding/module.cpp", "command/main.cpp", "command/command_line_python.cpp", "command/command_line_studies.cpp", "solver/petsc_integrator_start.cpp"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
 
 

@@ -85,6 +85,7 @@ ExpressionError explained(const mu::ParserError& error, const mu::Parser& parser
     case mu::ecEXPRESSION_TOO_LONG:
       return because("the formula is too long");
     case mu::ecUNASSIGNABLE_TOKEN:
+      if (parser.GetFunDef().contains(token)) return because("function '" + token + "' needs its arguments in '( )'");
       return because("'" + token + "' is not known; a formula has x, y, z, t, pi and functions" +
                      did_you_mean(token, known_names(parser)));
     case mu::ecUNEXPECTED_OPERATOR:
@@ -246,7 +247,8 @@ struct Expression::Formula {
       throw ExpressionError("a formula has one value, not several separated by ',' (a decimal point is written '.')",
                             static_cast<int>(std::min(text.find(','), text.size())));
     }
-    if (uses_time) tree.emplace(text);
+    FormulaTree read(text);
+    if (uses_time) tree = std::move(read);
   }
   Formula(const Formula&) = delete;
   Formula& operator=(const Formula&) = delete;

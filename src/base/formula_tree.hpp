@@ -19,7 +19,7 @@ struct TimeJet {
 class FormulaTree {
  public:
   /// `text`: a formula that muParser accepts, with the constant `pi`. Throws ExpressionError for anything that is not
-  /// understood.
+  /// understood, and for comparisons of comparisons.
   explicit FormulaTree(const std::string& text);
 
   /// Value and derivatives at (x, y, z, t). Branches are taken as at the time `side`, which lies near t, on the side

@@ -53,6 +53,12 @@ constexpr std::array dimensions{
     Dimension{"K", "a temperature"},
     Dimension{"1", "a pure number"},
     Dimension{"rad", "an angle"},
+    // These have the dimensions of others above.
+    Dimension{"rad/s", "an angular velocity"},
+    Dimension{"N*m", "a torque"},
+    Dimension{"N*m/rad", "a torque per angle"},
+    Dimension{"N*m*s/rad", "a torque per angular velocity"},
+    Dimension{"N*s/m", "a force per velocity"},
 };
 
 UnitSystem loaded_system() {

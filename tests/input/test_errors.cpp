@@ -169,6 +169,19 @@ INSTANTIATE_TEST_SUITE_P(
             "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}, expansion: "
             "{stretch: @1 m}}]",
             "'stretch': '1 m' is a length, but a number without a unit is expected"},
+        Bad{6,
+            "joints: [{name: a, type: hinge, between: [ground, b], point: [0, 0, 0], axis: [0, 0, 1], spring: "
+            "{stiffness: "
+            "@3 N/mm}}]",
+            "'stiffness': '3 N/mm' is a stiffness, but a torque per angle [N*m/rad] is expected"},
+        Bad{6,
+            "joints: [{name: a, type: slider, between: [ground, b], point: [0, 0, 0], axis: [0, 0, 1], limits: [0, @30 "
+            "deg]}]",
+            "'limits[1]': '30 deg' is a pure number, but a length [m] is expected"},
+        Bad{6,
+            "joints: [{name: a, type: @hing, between: [ground, b], point: [0, 0, 0], axis: [0, 0, 1], limits: [0, 30 "
+            "deg]}]",
+            "did you mean 'hinge'?"},
         Bad{2, "bodies: [{density: 1, rigid: @yes}]", "'rigid' must be true or false, not 'yes'"},
         Bad{2, "bodies: [{density: 1, rigid: true, expansion: @{stretch: 1.1}}]",
             "bodies[0] is rigid: remove 'expansion'"},

@@ -272,6 +272,15 @@ loads: [{gravity: [0, 0, -9.81]}]
                 self.assertIn("a method with inertia", told)
                 self.assertLess(np.abs(read_history(self.directory / "out")["shank_z"]).max(), 1)
 
+    def test_units_are_those_of_an_angle_or_a_travel(self):
+        body = "rigid_bodies: [{name: a, mass: 1, inertia: [1, 1, 1], center: [1, 0, 0]}]\n"
+        joint = "joints: [{{name: j, type: {}, between: [ground, a], point: [0, 0, 0], axis: [0, 0, 1], spring: {{stiffness: {}, rest: {}}}, motor: {{effort: {}}}, limits: {}, limit_stiffness: {}}}]\n"
+        for kind, *given, place in (("hinge", "0.5 N*m/deg", "20 deg", "5 N*m", "[-10 deg, 40 deg]", "1 kN*m/rad", np.deg2rad(30)),
+                                    ("slider", "2 N/mm", "3 mm", "4 N", "[0 mm, 1 cm]", "1 kN/mm", 5e-3)):
+            with self.subTest(kind):
+                h = self.solve(body + joint.format(kind, *given), "method: static")
+                np.testing.assert_allclose(h["j_angle" if kind == "hinge" else "j_travel"][-1], place, rtol=1e-6)
+
     def test_small_bodies_go_far(self):
         """A point on a guide has almost no size; its equilibrium may be anywhere."""
         h = self.solve("""rigid_bodies: [{name: cart, mass: 1, inertia: [1e-10, 1e-10, 1e-10], center: [0, 0, 0]}]

@@ -37,32 +37,70 @@ Format<RigidBodyConfig::Inertia> inertia() {
   return format;
 }
 
-Section<JointConfig::Motor> motor_keys() {
-  using M = JointConfig::Motor;
-  return {
-      {
-          field("target", &M::target, expression("1", Variables::time), "angle [rad] or travel [m] that it aims at")
-              .otherwise("0"),
-          field("stiffness", &M::stiffness, quantity("1", Range::at_least(0)),
-                "effort per difference from the target [N m/rad or N/m]")
-              .otherwise("0"),
-          field("damping", &M::damping, quantity("1", Range::at_least(0)),
-                "effort per difference from the target's rate [N m s/rad or N s/m]")
-              .otherwise("0"),
-          field("limit", &M::limit, quantity("1", Range::above(0)), "largest effort, reached smoothly [N m or N]")
-              .otherwise_in_words("none"),
-          field("effort", &M::effort, expression("1", Variables::time), "given torque [N m] or force [N], in addition")
-              .otherwise("0"),
-      },
-      {{{"stiffness", "damping", "effort"}, KeyGroup::Need::at_least_one}}};
+/// By what a joint moves, which decides the units of its quantities.
+enum class Movement { angle, travel, either };
+
+/// Units of a quantity of joints that move by an angle, and by a travel.
+struct JointUnit {
+  const char *of_angle, *of_travel;
+};
+constexpr JointUnit coordinate_unit{"rad", "m"}, rate_unit{"rad/s", "m/s"}, effort_unit{"N*m", "N"},
+    stiffness_unit{"N*m/rad", "N/m"}, damping_unit{"N*m*s/rad", "N*s/m"};
+
+/// A value of the one format or of the other.
+template <class V>
+Format<V> either(const Format<V>& one, const Format<V>& other, const std::string& type) {
+  Format<V> format{type, one.schema, {}, one.write};
+  format.read = [one, other](const InputNode& node, const std::string& name, Diagnostics& diagnostics, V& into) {
+    Diagnostics ignored;
+    return one.read(node, name, ignored, into) || other.read(node, name, diagnostics, into);
+  };
+  return format;
 }
 
-Section<JointConfig::Spring> joint_spring_keys() {
+Format<double> quantity_of(Movement movement, const JointUnit& unit, const Range& range = {}) {
+  const auto of_angle = quantity(unit.of_angle, range), of_travel = quantity(unit.of_travel, range);
+  if (movement == Movement::angle) return of_angle;
+  if (movement == Movement::travel) return of_travel;
+  // The range once, at the end.
+  return either(of_angle, of_travel, quantity(unit.of_angle).type + " or " + of_travel.type);
+}
+
+Format<Expression> expression_of(Movement movement, const JointUnit& unit) {
+  const auto of_angle = expression(unit.of_angle, Variables::time);
+  const auto of_travel = expression(unit.of_travel, Variables::time);
+  if (movement == Movement::angle) return of_angle;
+  if (movement == Movement::travel) return of_travel;
+  return either(of_angle, of_travel, quantity(unit.of_angle).type + ", " + of_travel.type);
+}
+
+Section<JointConfig::Motor> motor_keys(Movement movement) {
+  using M = JointConfig::Motor;
+  return {{
+              field("target", &M::target, expression_of(movement, coordinate_unit), "angle or travel that it aims at")
+                  .otherwise("0"),
+              field("stiffness", &M::stiffness, quantity_of(movement, stiffness_unit, Range::at_least(0)),
+                    "effort per difference from the target")
+                  .otherwise("0"),
+              field("damping", &M::damping, quantity_of(movement, damping_unit, Range::at_least(0)),
+                    "effort per difference from the target's rate")
+                  .otherwise("0"),
+              field("limit", &M::limit, quantity_of(movement, effort_unit, Range::above(0)),
+                    "largest effort, reached smoothly")
+                  .otherwise_in_words("none"),
+              field("effort", &M::effort, expression_of(movement, effort_unit), "given torque or force, in addition")
+                  .otherwise("0"),
+          },
+          {{{"stiffness", "damping", "effort"}, KeyGroup::Need::at_least_one}}};
+}
+
+Section<JointConfig::Spring> joint_spring_keys(Movement movement) {
   using S = JointConfig::Spring;
   return {{
-      field("stiffness", &S::stiffness, quantity("1", Range::above(0)), "effort per angle or travel [N m/rad or N/m]")
+      field("stiffness", &S::stiffness, quantity_of(movement, stiffness_unit, Range::above(0)),
+            "effort per angle or travel")
           .required(),
-      field("rest", &S::rest, quantity("1"), "angle [rad] or travel [m] without effort").otherwise("0"),
+      field("rest", &S::rest, quantity_of(movement, coordinate_unit), "angle or travel without effort").otherwise("0"),
   }};
 }
 
@@ -92,6 +130,75 @@ Section<RigidBodyConfig::Surface> surface_keys() {
       field("size", &S::size, quantity("m", Range::above(0)), "size of the elements that gmsh makes")
           .otherwise_in_words("that of the triangles"),
   }};
+}
+
+Section<JointConfig> joint_keys(Movement movement) {
+  using J = JointConfig;
+  return {
+      {
+          field("name", &J::name, column_name(), "prefix of its columns in history.csv").required(),
+          field("type", &J::type,
+                choice_of<JointType>(
+                    {joint_types.begin(), joint_types.end()},
+                    " (revolute: 'hinge'; prismatic, translational: 'slider'; spherical: 'ball'; welded: 'fixed')"),
+                "fixed: no relative motion; ball: about `point`; hinge: about the axis; slider: along it; "
+                "cylindrical: both; universal: about `axis`, which moves with the first body, and `second_axis`, "
+                "which moves with the second; planar: in the plane across the axis; distance: of `point` on the "
+                "first body and `second_point` on the second")
+              .required(),
+          field("between", &J::between, array_of<2>(text()),
+                "two of: names of rigid bodies, volumes or surfaces with a constraint `rigid`, `ground`")
+              .required(),
+          field("point", &J::point, array_of<3>(quantity("m")), "place of the joint at the start").required(),
+          field("axis", &J::axis, direction_of_any_length(), "direction of the axis at the start")
+              .only_with({{"type", "hinge"},
+                          {"type", "slider"},
+                          {"type", "cylindrical"},
+                          {"type", "universal"},
+                          {"type", "planar"}}),
+          field("second_axis", &J::second_axis, direction_of_any_length(), "direction at the start, across `axis`")
+              .only_with({{"type", "universal"}}),
+          field("second_point", &J::second_point, array_of<3>(quantity("m")), "place on the second body at the start")
+              .only_with({{"type", "distance"}}),
+          field("motion", &J::motion, expression_of(movement, coordinate_unit),
+                "given angle of a hinge, travel of a slider or change of a distance")
+              .otherwise_in_words("none: it follows from the forces")
+              .only_with({{"type", "hinge"}, {"type", "slider"}, {"type", "distance"}}),
+          field("motor", &J::motor, map_of(motor_keys(movement)),
+                "motor: proportional and derivative control of the angle or travel, or a given effort")
+              .otherwise_in_words("none")
+              .only_with({{"type", "hinge"}, {"type", "slider"}}),
+          field("spring", &J::spring, map_of(joint_spring_keys(movement)), "spring that acts on the angle or travel")
+              .otherwise_in_words("none")
+              .only_with({{"type", "hinge"}, {"type", "slider"}}),
+          field("damping", &J::damping, quantity_of(movement, damping_unit, Range::at_least(0)),
+                "effort per rate of the angle or travel")
+              .otherwise_in_words("0")
+              .only_with({{"type", "hinge"}, {"type", "slider"}}),
+          field("limits", &J::limits, array_of<2>(quantity_of(movement, coordinate_unit)),
+                "smallest and largest angle or travel: stops that give way by little")
+              .otherwise_in_words("none")
+              .only_with({{"type", "hinge"}, {"type", "slider"}}),
+          field("limit_stiffness", &J::limit_stiffness, quantity_of(movement, stiffness_unit, Range::above(0)),
+                "effort of a stop per angle or travel beyond it")
+              .otherwise_in_words("what stops the bodies within a few time steps")
+              .only_with({{"limits"}}),
+          field("friction", &J::friction, quantity_of(movement, effort_unit, Range::at_least(0)),
+                "effort of dry friction against the motion")
+              .otherwise_in_words("0")
+              .only_with({{"type", "hinge"}, {"type", "slider"}}),
+          field("bearing", &J::bearing, map_of(bearing_keys()),
+                "dry friction that follows the force and the torque which the joint carries")
+              .otherwise_in_words("none")
+              .only_with({{"type", "hinge"}, {"type", "slider"}}),
+          field("stick_rate", &J::stick_rate, quantity_of(movement, rate_unit, Range::above(0)),
+                "rate at which dry friction reaches 76 % of its effort")
+              .otherwise("0.001")
+              .only_with({{"friction"}, {"bearing"}})
+              .left_out_if([](const J& joint) { return !joint.friction && !joint.bearing; }),
+      },
+      {{{"motion", "motor"}, KeyGroup::Need::at_most_one}, {{"motion", "limits"}, KeyGroup::Need::at_most_one}},
+      &J::where};
 }
 
 }  // namespace
@@ -131,73 +238,19 @@ Section<RigidBodyConfig> rigid_body_keys() {
           &R::where};
 }
 
-Section<JointConfig> joint_keys() {
-  using J = JointConfig;
-  return {
-      {
-          field("name", &J::name, column_name(), "prefix of its columns in history.csv").required(),
-          field("type", &J::type,
-                choice_of<JointType>(
-                    {joint_types.begin(), joint_types.end()},
-                    " (revolute: 'hinge'; prismatic, translational: 'slider'; spherical: 'ball'; welded: 'fixed')"),
-                "fixed: no relative motion; ball: about `point`; hinge: about the axis; slider: along it; "
-                "cylindrical: both; universal: about `axis`, which moves with the first body, and `second_axis`, "
-                "which moves with the second; planar: in the plane across the axis; distance: of `point` on the "
-                "first body and `second_point` on the second")
-              .required(),
-          field("between", &J::between, array_of<2>(text()),
-                "two of: names of rigid bodies, volumes or surfaces with a constraint `rigid`, `ground`")
-              .required(),
-          field("point", &J::point, array_of<3>(quantity("m")), "place of the joint at the start").required(),
-          field("axis", &J::axis, direction_of_any_length(), "direction of the axis at the start")
-              .only_with({{"type", "hinge"},
-                          {"type", "slider"},
-                          {"type", "cylindrical"},
-                          {"type", "universal"},
-                          {"type", "planar"}}),
-          field("second_axis", &J::second_axis, direction_of_any_length(), "direction at the start, across `axis`")
-              .only_with({{"type", "universal"}}),
-          field("second_point", &J::second_point, array_of<3>(quantity("m")), "place on the second body at the start")
-              .only_with({{"type", "distance"}}),
-          field("motion", &J::motion, expression("1", Variables::time),
-                "given angle [rad] of a hinge, travel [m] of a slider or change of a distance [m]")
-              .otherwise_in_words("none: it follows from the forces")
-              .only_with({{"type", "hinge"}, {"type", "slider"}, {"type", "distance"}}),
-          field("motor", &J::motor, map_of(motor_keys()),
-                "motor: proportional and derivative control of the angle or travel, or a given effort")
-              .otherwise_in_words("none")
-              .only_with({{"type", "hinge"}, {"type", "slider"}}),
-          field("spring", &J::spring, map_of(joint_spring_keys()), "spring that acts on the angle or travel")
-              .otherwise_in_words("none")
-              .only_with({{"type", "hinge"}, {"type", "slider"}}),
-          field("damping", &J::damping, quantity("1", Range::at_least(0)),
-                "effort per rate of the angle [N m s/rad] or travel [N s/m]")
-              .otherwise_in_words("0")
-              .only_with({{"type", "hinge"}, {"type", "slider"}}),
-          field("limits", &J::limits, array_of<2>(quantity("1")),
-                "smallest and largest angle [rad] or travel [m]: stops that give way by little")
-              .otherwise_in_words("none")
-              .only_with({{"type", "hinge"}, {"type", "slider"}}),
-          field("limit_stiffness", &J::limit_stiffness, quantity("1", Range::above(0)),
-                "effort of a stop per angle or travel beyond it [N m/rad or N/m]")
-              .otherwise_in_words("what stops the bodies within a few time steps")
-              .only_with({{"limits"}}),
-          field("friction", &J::friction, quantity("1", Range::at_least(0)),
-                "effort of dry friction against the motion [N m or N]")
-              .otherwise_in_words("0")
-              .only_with({{"type", "hinge"}, {"type", "slider"}}),
-          field("bearing", &J::bearing, map_of(bearing_keys()),
-                "dry friction that follows the force and the torque which the joint carries")
-              .otherwise_in_words("none")
-              .only_with({{"type", "hinge"}, {"type", "slider"}}),
-          field("stick_rate", &J::stick_rate, quantity("1", Range::above(0)),
-                "rate at which dry friction reaches 76 % of its effort [rad/s or m/s]")
-              .otherwise("0.001")
-              .only_with({{"friction"}, {"bearing"}})
-              .left_out_if([](const J& joint) { return !joint.friction && !joint.bearing; }),
-      },
-      {{{"motion", "motor"}, KeyGroup::Need::at_most_one}, {{"motion", "limits"}, KeyGroup::Need::at_most_one}},
-      &J::where};
+Format<JointConfig> joint() {
+  const auto of_angle = map_of(joint_keys(Movement::angle)), of_travel = map_of(joint_keys(Movement::travel));
+  Format<JointConfig> format = map_of(joint_keys(Movement::either));
+  format.read = [of_angle, of_travel, of_either = format.read](const InputNode& node, const std::string& name,
+                                                               Diagnostics& diagnostics, JointConfig& into) {
+    const InputNode* type = node.find("type");
+    if (type != nullptr && type->text == "hinge") return of_angle.read(node, name, diagnostics, into);
+    if (type != nullptr && (type->text == "slider" || type->text == "distance")) {
+      return of_travel.read(node, name, diagnostics, into);
+    }
+    return of_either(node, name, diagnostics, into);
+  };
+  return format;
 }
 
 Section<SpringConfig> spring_keys() {

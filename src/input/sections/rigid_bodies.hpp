@@ -6,7 +6,8 @@
 namespace pliant {
 
 Section<RigidBodyConfig> rigid_body_keys();
-Section<JointConfig> joint_keys();
+/// With units of angles or of travels, as the type of the joint says.
+Format<JointConfig> joint();
 Section<SpringConfig> spring_keys();
 
 }  // namespace pliant
