@@ -68,6 +68,12 @@ void CommandLine::add_sweep() {
       ->delimiter(',')
       ->type_name("KEY,...")
       ->needs(samples);
+  sweep
+      ->add_option("--together", arguments_.sweep.together,
+                   "keys whose lists are gone through side by side: the first values of all, then the second. May be "
+                   "repeated")
+      ->type_name("KEY,...")
+      ->allow_extra_args(false);
   sweep->add_flag("--continue", arguments_.sweep.continues, "skip finished runs, continue those that were begun");
   sweep->add_option("--jobs", arguments_.sweep.at_once, "runs at a time; default: as many as the processors allow")
       ->check(CLI::Range(1, 1024))

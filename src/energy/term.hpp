@@ -101,6 +101,8 @@ struct TermDeclaration {
   Symmetry symmetry = Symmetry::symmetric;
   Account account = Account::stored;
   bool depends_on_time = false;      ///< `energy_at` changes with time at a fixed configuration: `supply`
+  bool has_moving_obstacle = false;  ///< by an obstacle that moves: a state of another time may lie beyond it
+  bool has_load_energy = false;      ///< a load whose forces are -dU/dq of `energy_at` at each time, also if it changes
   bool rotates_with_body = true;     ///< its stiffness rotates with the body, as elastic stiffness does
   bool is_wall = false;              ///< its barrier separates states: no step may jump over it
   bool is_two_sided = false;         ///< a wall beyond which its energy is finite again: only a path shows a crossing
@@ -182,7 +184,7 @@ class EnergyTerm {
   virtual void complete_step(std::span<const double> /*accepted_z*/, std::span<const double> /*q*/,
                              std::span<double> /*z*/) const {}
 
-  /// Energy of the owned cells or nodes, if the account is `stored` or `load_potential` [J].
+  /// Energy of the owned cells or nodes, if the account is `stored` or the term `has_load_energy` [J].
   virtual double energy(std::span<const double> /*q*/, std::span<const double> /*z*/) const { return 0.0; }
   /// Likewise at an instant, for terms whose energy depends explicitly on time [J].
   virtual double energy_at(const Instant& /*at*/, std::span<const double> q, std::span<const double> z) const {

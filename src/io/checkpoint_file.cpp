@@ -20,7 +20,7 @@ namespace pliant {
 namespace {
 
 constexpr std::int64_t header_size = 512;  // [bytes], the smallest that HDF5 allows
-constexpr int version = 4;
+constexpr int version = 5;
 constexpr const char* magic = "pliant-checkpoint";
 
 std::string header(std::int64_t size, unsigned long checksum) {

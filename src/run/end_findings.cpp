@@ -17,6 +17,8 @@ constexpr double rest = 0.01;
 constexpr double much = 0.5;
 /// A larger part of the energies than this that cannot be accounted for is more than rounding.
 constexpr double unbalanced = 0.01;
+/// Steps are too long for the rates of materials where the works miss more than this part of what those dissipate.
+constexpr double too_long = 0.05;
 /// Smaller energies are rounding errors of bodies without loads [J].
 constexpr double no_energy = 1e-20;
 /// Surfaces that are further in each other than this part of the largest displacement change what is looked at.
@@ -68,17 +70,31 @@ std::vector<Diagnostic> findings_about_energy(const Config& config, const Energy
                      growth->time, growth->factor, growth->includes_dissipation ? " (including dissipation)" : "",
                      longest_step, name, damps ? "" : " or bdf2, dirk22 or dirk33")});
   }
-  const double size =
-      std::max({std::abs(end.load_work), std::abs(end.elastic), std::abs(end.load_potential), end.kinetic});
-  const bool is_static = analysis_of(config) != Analysis::dynamic;
-  if (is_static && size > no_energy && std::abs(end.balance_error) > unbalanced * size) {
-    found.push_back(
-        {Severity::warning, config.time.method.where,
-         fmt::format("the energies do not balance: {:.3g} J of {:.3g} J cannot be accounted for, so that states "
-                     "are not solutions; is there a body that nothing holds?",
-                     std::abs(end.balance_error), size)});
-  }
   if (const auto loss = watch.loss(end)) found.push_back(finding_about_loss(config, *loss, end.kinetic, longest_step));
+  return found;
+}
+
+std::vector<Diagnostic> findings_about_equilibria(const Config& config, const Ledger& ledger) {
+  std::vector<Diagnostic> found;
+  const auto warn = [&](std::string text) {
+    found.push_back({Severity::warning, config.time.method.where, std::move(text)});
+  };
+  const Energies& end = ledger.energies();
+  const double size = std::max({std::abs(end.load_work), std::abs(end.elastic), std::abs(end.load_potential)});
+  if (size > no_energy && std::abs(end.balance_error) > unbalanced * size) {
+    warn(
+        fmt::format("the energies do not balance: {:.3g} J of {:.3g} J cannot be accounted for, so that states "
+                    "are not solutions; is there a body that nothing holds?",
+                    std::abs(end.balance_error), size));
+  }
+  const double lost = end.numerical_dissipation - ledger.lost_at_start();
+  if (end.dissipated > unbalanced * size && std::abs(lost) > too_long * end.dissipated) {
+    warn(
+        fmt::format("the works between equilibria miss {:.3g} J, {:.0f} % of what material and friction dissipated "
+                    "({:.3g} J): rates are those of backward Euler, of the first order, and errors of the dissipation "
+                    "are larger than that; unless a body snaps or slips suddenly, use shorter steps",
+                    std::abs(lost), 100.0 * std::abs(lost) / end.dissipated, end.dissipated));
+  }
   return found;
 }
 

@@ -18,6 +18,10 @@ namespace pliant {
 std::vector<Diagnostic> findings_about_energy(const Config& config, const EnergyWatch& watch, const Energies& end,
                                               double longest_step);
 
+/// Without inertia: warns of energies that do not balance, and of steps that are too long for the rates of the
+/// materials.
+std::vector<Diagnostic> findings_about_equilibria(const Config& config, const Ledger& ledger);
+
 /// What moves the bodies of a run.
 enum class Forces { some, none_but_rounding };
 

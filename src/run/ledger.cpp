@@ -75,7 +75,8 @@ double Ledger::supplied_at_last_state(const Instant& start, const Instant& end) 
     update_ghosts(present);
   };
   exchange();
-  const double supplied = model_.potential().accounts().supplied(start, end, q_.get(), EnergyAccounts::Walls::left_out);
+  const double supplied =
+      model_.potential().accounts().supplied(start, end, q_.get(), EnergyAccounts::MovingObstacles::left_out);
   exchange();
   return supplied;
 }
@@ -200,8 +201,7 @@ void Ledger::keep(Archive& archive, const StateView& newest, Side side) {
   if (analysis_ != Analysis::dynamic) {
     archive.vector("reaction", Entries::nodes, reaction_.get());
     archive.number("released", released_);
-    for (const Account account : {Account::stored, Account::load_potential, Account::load}) {
-      const auto k = static_cast<std::size_t>(account);
+    for (std::size_t k = 0; k < num_shares; ++k) {
       archive.vector("forces" + std::to_string(k), Entries::nodes, forces_[k].get());
     }
   }
@@ -253,8 +253,10 @@ void Ledger::add_works_in_time(const StepAttempt& attempt) {
 }
 
 // Works of the forces at both ends of the step along the displacement between them; other powers by the trapezoidal
-// rule. The first state need not be in equilibrium, since loads may act at once. Without inertia, the work of the
-// unbalanced forces up to the first equilibrium does not become kinetic energy; it is lost.
+// rule. Where points turn about one another, forces do another work along the chord than along the path. That of loads
+// follows from their energies, and that of the bodies, whose error is the same, from equilibrium.
+// The first state need not be in equilibrium, since loads may act at once. Without inertia, the work of the unbalanced
+// forces up to the first equilibrium does not become kinetic energy; it is lost.
 void Ledger::add_works_along_displacement(const StepAttempt& attempt) {
   check(VecWAXPY(direction_.get(), -1.0, q_.get(), attempt.q));
   const Works before = works_along(direction_.get());
@@ -266,12 +268,16 @@ void Ledger::add_works_along_displacement(const StepAttempt& attempt) {
   power[loads] = supply_without_energy_;  // other supply is the change of energies, below
   keep_forces(attempt.last_stage, attempt.last_q);
   const Works after = works_along(direction_.get());
-  for (std::size_t w = 0; w < num_works; ++w) works_[w] += 0.5 * (before[w] + after[w]);
+  Works done = works_of_load_energies(attempt);
+  const auto along_chord = [&](Work w) { return 0.5 * (before[w] + after[w]); };
+  done[stored] += done[loads] - done[potential] + along_chord(potential);
+  for (const Work w : {stored, loads, supports, ideal_constraints}) done[w] += along_chord(w);
+  for (std::size_t w = 0; w < num_works; ++w) works_[w] += done[w];
   const Instant start = model_.instant(time_, load_factor_), end = model_.instant(attempt.time, attempt.load_factor);
   EnergyAccounts accounts = model_.potential().accounts();
   const double supplied = 0.5 * (supplied_at_last_state(start, end) +
-                                 accounts.supplied(start, end, attempt.q, EnergyAccounts::Walls::left_out)) +
-                          work_of_walls(attempt);
+                                 accounts.supplied(start, end, attempt.q, EnergyAccounts::MovingObstacles::left_out)) +
+                          work_of_obstacles(attempt);
   const double passed =
       analysis_ == Analysis::static_equilibrium ? attempt.load_factor - load_factor_ : attempt.time - time_;
   const auto integral = [&](std::size_t w) { return 0.5 * passed * (last_powers_[w] + power[w]); };
@@ -291,7 +297,7 @@ void Ledger::add_works_along_displacement(const StepAttempt& attempt) {
 }
 
 // Powers by one-sided differences of second order.
-double Ledger::work_of_walls(const StepAttempt& attempt) {
+double Ledger::work_of_obstacles(const StepAttempt& attempt) {
   constexpr double part = 1e-4;  // of the step
   const auto instant = [&](double fraction) {
     return model_.instant(time_ + fraction * (attempt.time - time_),
@@ -299,33 +305,56 @@ double Ledger::work_of_walls(const StepAttempt& attempt) {
   };
   EnergyAccounts accounts = model_.potential().accounts();
   const auto gained = [&](double from, double to, Vec q) {
-    return accounts.supplied(instant(from), instant(to), q, EnergyAccounts::Walls::alone);
+    return accounts.supplied(instant(from), instant(to), q, EnergyAccounts::MovingObstacles::alone);
   };
   const double at_start = 4.0 * gained(0.0, part, q_.get()) - gained(0.0, 2.0 * part, q_.get());
   const double at_end = 4.0 * gained(1.0 - part, 1.0, attempt.q) - gained(1.0 - 2.0 * part, 1.0, attempt.q);
   return 0.5 * (at_start + at_end) / (2.0 * part);
 }
 
+Ledger::Works Ledger::works_of_load_energies(const StepAttempt& attempt) {
+  const Instant start = model_.instant(time_, load_factor_), end = model_.instant(attempt.time, attempt.load_factor);
+  EnergyAccounts accounts = model_.potential().accounts();
+  const auto first = accounts.load_energies(start, end, q_.get()), last = accounts.load_energies(start, end, attempt.q);
+  Works works = no_works();
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    const double gained = 0.5 * (last[k] - first[k]);
+    if (account_of(*model_.potential().terms()[k]) == Account::load_potential) {
+      works[potential] += gained;
+    } else {
+      works[loads] -= gained;
+    }
+  }
+  return works;
+}
+
+std::optional<Ledger::Share> Ledger::share_of(const TermDeclaration& is) {
+  if (is.has_load_energy) return loads_with_energy;
+  if (is.account == Account::stored) return body_forces;
+  if (is.account == Account::load) return other_loads;
+  return std::nullopt;
+}
+
 void Ledger::keep_forces(const StagePoint& stage, Vec q) {
   IncrementalPotential& potential_of_stage = model_.potential();
   potential_of_stage.begin_stage(stage);
-  for (const Account account : {Account::stored, Account::load_potential, Account::load}) {
-    const auto is_booked_here = [&](const EnergyTerm& term) { return account_of(term) == account; };
-    potential_of_stage.gradient_of(is_booked_here, q, forces_[static_cast<std::size_t>(account)].get());
+  for (std::size_t k = 0; k < num_shares; ++k) {
+    const auto is_booked_here = [&](const EnergyTerm& term) { return share_of(term.declaration()) == Share(k); };
+    potential_of_stage.gradient_of(is_booked_here, q, forces_[k].get());
   }
   potential_of_stage.gradient_with_reactions(q, reaction_.get());
 }
 
 Ledger::Works Ledger::works_along(Vec displacement) const {
-  const auto along = [&](Account account) {
+  const auto along = [&](Share share) {
     PetscScalar work = 0.0;
-    check(VecDot(forces_[static_cast<std::size_t>(account)].get(), displacement, &work));
+    check(VecDot(forces_[share].get(), displacement, &work));
     return work;
   };
   Works works = no_works();
-  works[stored] = along(Account::stored);
-  works[potential] = along(Account::load_potential);
-  works[loads] = -along(Account::load);
+  works[stored] = along(body_forces);
+  works[potential] = along(loads_with_energy);
+  works[loads] = -along(other_loads);
   set_works_of_constraints(displacement, works);
   return works;
 }

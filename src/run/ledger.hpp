@@ -19,6 +19,7 @@
 #include "time/stepper.hpp"
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -85,6 +86,8 @@ class Ledger {
   void keep(Archive& archive, const StateView& newest, Side side);
 
   const Energies& energies() const { return energies_; }
+  /// The part of the numerical dissipation that is the work of unbalanced forces up to the first equilibrium [J].
+  double lost_at_start() const { return released_; }
   /// Reactions of the model's supports at the end of the last stage; zero before the first step.
   const std::vector<Reaction>& reactions() const { return reactions_; }
   const std::vector<JointReaction>& joint_reactions() const { return joint_reactions_; }
@@ -103,15 +106,22 @@ class Ledger {
   Works no_works() const { return Works(first_impulse() + 3 * contacts_.size(), 0.0); }
   std::size_t first_impulse() const { return num_works + mechanisms_.size(); }
   Account account_of(const EnergyTerm& term) const;
+  /// The terms by what is known of their works without inertia.
+  enum Share : std::size_t { body_forces, loads_with_energy, other_loads, num_shares };
+  static std::optional<Share> share_of(const TermDeclaration& is);
   void add_works_in_time(const StepAttempt& attempt);
   void add_works_along_displacement(const StepAttempt& attempt);
   void keep_forces(const StagePoint& stage, Vec q);
   /// What the energies of terms that depend on time gain at the last state, with its pressures [J].
   double supplied_at_last_state(const Instant& start, const Instant& end);
-  /// The work of walls that move in a step to `attempt`, by the trapezoidal rule: at the places that they have at its
-  /// other end their energies may be infinite [J].
-  double work_of_walls(const StepAttempt& attempt);
+  /// The work of obstacles that move in a step to `attempt`, by the trapezoidal rule of their powers: a state of one of
+  /// its ends may lie beyond an obstacle at its other end [J].
+  double work_of_obstacles(const StepAttempt& attempt);
+  /// The works of loads in a step to `attempt` that follow from their energies, however far the bodies move: of each
+  /// load the mean of what it does at either end of the step [J].
+  Works works_of_load_energies(const StepAttempt& attempt);
   void keep_pressures();
+  /// By the forces kept; those of all loads with an energy count as work of `potential`.
   Works works_along(Vec displacement) const;
   /// Sets the works of `supports` and `ideal_constraints`.
   void set_works_of_constraints(Vec displacement, Works& works) const;
@@ -144,7 +154,7 @@ class Ledger {
       0.0;  // by terms without an energy, at the last `powers` [W]: friction at moving obstacles
   WorkVector at_, direction_;
   Handle<Vec> reaction_;
-  std::array<Handle<Vec>, 4> forces_;  // without inertia: forces of each account at the last step
+  std::array<Handle<Vec>, num_shares> forces_;  // without inertia: of each share at the last step
 };
 
 }  // namespace pliant

@@ -391,18 +391,18 @@ class Run {
     }
   }
 
-  /// What the run as a whole shows, at its end.
-  /// Collective.
+  /// What the run as a whole shows, at its end. Collective.
   std::vector<Diagnostic> findings() const {
     const SolverStatistics& s = simulation_->solver_statistics();
     const bool is_dynamic = simulation_->analysis() == Analysis::dynamic;
     std::vector<Diagnostic> found = findings_about_solutions(
         config_, s, is_dynamic && energy_watch_->sees_only_rounding() ? Forces::none_but_rounding : Forces::some);
     std::ranges::move(findings_about_contact(config_, model_, record()), std::back_inserter(found));
-    if (!is_dynamic) return found;
-    const Energies& energies = simulation_->ledger().energies();
+    const Ledger& ledger = simulation_->ledger();
     const double longest = simulation_->steps().longest;
-    std::ranges::move(findings_about_energy(config_, *energy_watch_, energies, longest), std::back_inserter(found));
+    std::ranges::move(is_dynamic ? findings_about_energy(config_, *energy_watch_, ledger.energies(), longest)
+                                 : findings_about_equilibria(config_, ledger),
+                      std::back_inserter(found));
     return found;
   }
 

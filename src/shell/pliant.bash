@@ -40,7 +40,7 @@ _pliant() {
     'check') options='-h --help --set --html' words='' files='*.@(yaml|yml)' ;;
     'converge') options='-h --help --set -o --output --in --levels --methods --result --no-check' words='' files='*.@(yaml|yml)' ;;
     'modes') options='-h --help --set -o --output --number --near --unloaded' words='' files='*.@(yaml|yml)' ;;
-    'sweep') options='-h --help --set -o --output --result --samples --seed --logarithmic --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
+    'sweep') options='-h --help --set -o --output --result --samples --seed --logarithmic --together --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
     'compare') options='-h --help --of -o --output' words='' files='*' ;;
     'sensitivity') options='-h --help --set -o --output --of --adjoint --to --fields --kept-steps' words='' files='*.@(yaml|yml)' ;;
     'fit') options='-h --help -o --output' words='' files='*.@(yaml|yml)' ;;
@@ -57,7 +57,7 @@ _pliant() {
   esac
   # What follows an option that takes a value is that.
   case $previous in
-    --set | -o | --output | --size | --watch | --field | --range | --colour-map | --movie | --fps | --frame | --view | --scale | --cut | --mirror | --hide | --transparent | --title | --of | --x | --html | --in | --levels | --methods | --result | --number | --near | --samples | --seed | --logarithmic | --jobs | --ranks | --adjoint | --to | --fields | --kept-steps | --units | --stretch) options='' words='' files='' ;;
+    --set | -o | --output | --size | --watch | --field | --range | --colour-map | --movie | --fps | --frame | --view | --scale | --cut | --mirror | --hide | --transparent | --title | --of | --x | --html | --in | --levels | --methods | --result | --number | --near | --samples | --seed | --logarithmic | --together | --jobs | --ranks | --adjoint | --to | --fields | --kept-steps | --units | --stretch) options='' words='' files='' ;;
   esac
   case "$path $previous" in
     'run -o' | 'run --output') files='*' ;;

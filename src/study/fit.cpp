@@ -101,6 +101,11 @@ FittedMaterial fit_material(const std::string& text, const std::string& file) {
   for (const MaterialTest& test : fit.tests) {
     if (!test.note.empty()) fit.notes.push_back(test.note);
   }
+  for (const TestSummary& test : summaries_of(fit)) {
+    if (auto warning = warning_about_determination(test.name, test.determination)) {
+      fit.warnings.push_back(std::move(*warning));
+    }
+  }
   if (fit.outcome.num_starts > 0) add_stability(fit);
   return fit;
 }

@@ -46,12 +46,12 @@ struct FitViscosityConfig {
 
 struct FitTestConfig {
   TestKind kind = TestKind::uniaxial;
-  Located<std::string> data;            ///< the file as it is given
-  double weight = 1.0;                  ///< of the squared residuals
-  Loading loading = Loading::uniaxial;  ///< relaxation, dma: of the specimen
-  std::optional<double> stretch;        ///< relaxation: that is held
-  std::optional<double> shear;          ///< likewise, in simple shear
-  std::optional<double> rate;           ///< relaxation: of the stretch on the way there [1/s]
+  Located<std::string> data;       ///< the file as it is given
+  double weight = 1.0;             ///< of the squared residuals
+  std::optional<Loading> loading;  ///< relaxation, dma: of the specimen; uniaxial unless given
+  std::optional<double> stretch;   ///< relaxation: that is held
+  std::optional<double> shear;     ///< likewise, in simple shear
+  std::optional<double> rate;      ///< relaxation: of the stretch on the way there [1/s]
   Location where;
 };
 

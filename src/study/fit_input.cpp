@@ -137,7 +137,7 @@ Section<FitTestConfig> test_keys() {
                                      {"pure-shear", Loading::pure_shear},
                                      {"simple-shear", Loading::simple_shear}}),
                  "how the specimen of a test in time or frequency is loaded")
-               .otherwise("uniaxial")
+               .otherwise_in_words("uniaxial")
                .only_with({relaxation, dma}),
            field("stretch", &T::stretch, quantity("1", Range::above(0)), "stretch at which the specimen is held"),
            field("shear", &T::shear, quantity("1"), "amount of shear at which the specimen is held"),
@@ -232,10 +232,11 @@ void check_tests(const FitConfig& config, Diagnostics& diagnostics) {
     if (test.kind == TestKind::volumetric && config.material.is_incompressible) {
       diagnostics.add(test.where, "a volumetric test does not go with 'incompressible: true'; leave one of them out");
     }
-    if (test.kind == TestKind::dma && test.loading != Loading::uniaxial && test.loading != Loading::simple_shear) {
+    const Loading loading = test.loading.value_or(Loading::uniaxial);
+    if (test.kind == TestKind::dma && loading != Loading::uniaxial && loading != Loading::simple_shear) {
       diagnostics.add(test.where, "'loading' of a dma test must be uniaxial or simple-shear");
     }
-    const bool is_sheared = test.kind == TestKind::relaxation && test.loading == Loading::simple_shear;
+    const bool is_sheared = test.kind == TestKind::relaxation && loading == Loading::simple_shear;
     if (is_sheared && test.stretch) {
       diagnostics.add(test.where, "a specimen in simple shear is held at a 'shear', not at a 'stretch'");
     }

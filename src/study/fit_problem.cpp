@@ -149,6 +149,10 @@ void FitProblem::add_statistics(FitOutcome& outcome) const {
   }
 }
 
+std::string unit_shown(const std::string& unit) {
+  return unit == "1" ? "" : unit;
+}
+
 std::vector<std::string> warnings_about(const FitOutcome& outcome, std::span<const FreeParameter> parameters) {
   std::vector<std::string> warnings;
   const Determination& known = outcome.determination;
@@ -159,8 +163,9 @@ std::vector<std::string> warnings_about(const FitOutcome& outcome, std::span<con
   for (std::size_t j = 0; j < known.is_determined.size(); ++j) {
     const std::string& name = parameters[j].name;
     if (known.is_at_bound[j]) {
-      warnings.push_back(fmt::format("'{}' is at a bound, {:.6g} {}; it has no standard error", name, outcome.values[j],
-                                     parameters[j].unit));
+      const std::string unit = unit_shown(parameters[j].unit);
+      warnings.push_back(fmt::format("'{}' is at a bound, {:.6g}{}{}; it has no standard error", name,
+                                     outcome.values[j], unit.empty() ? "" : " ", unit));
     } else if (!known.is_determined[j]) {
       warnings.push_back(fmt::format("the data do not determine '{}'; add measurements that do, or hold it", name));
     } else if (outcome.standard_errors[j] > std::abs(outcome.values[j])) {

@@ -47,6 +47,9 @@ struct FitOutcome {
   int num_best = 0;    ///< that led to the best minimum
 };
 
+/// Nothing for a number without a unit.
+std::string unit_shown(const std::string& unit);
+
 /// What a user should know of the outcome: no convergence, parameters that the data do not determine, few good starts.
 std::vector<std::string> warnings_about(const FitOutcome& outcome, std::span<const FreeParameter> parameters);
 

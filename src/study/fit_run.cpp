@@ -11,6 +11,7 @@
 #include "study/fit.hpp"
 #include "study/fit_data.hpp"
 #include "study/fit_run_report.hpp"
+#include "study/fit_tables.hpp"
 #include "study/tangent_run.hpp"
 
 #include <algorithm>
@@ -280,6 +281,11 @@ FittedRun fit_run(MPI_Comm comm, const FitConfig& config, const std::string& dir
   fit.num_runs = runs.num_runs();
   fit.input = dump(input.at(fit.outcome.values));
   fit.warnings = warnings_about(fit.outcome, parameters);
+  for (std::size_t n = 0; n < fit.targets.size(); ++n) {
+    if (auto warning = warning_about_determination(fit.targets[n].name, determination_of(fit, n))) {
+      fit.warnings.push_back(std::move(*warning));
+    }
+  }
   return fit;
 }
 

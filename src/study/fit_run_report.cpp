@@ -15,10 +15,6 @@
 namespace pliant {
 namespace {
 
-std::string unit_shown(const std::string& unit) {
-  return unit == "1" ? "" : unit;
-}
-
 std::string with_unit(const std::string& name, const std::string& unit) {
   return unit == "1" ? name : fmt::format("{} [{}]", name, unit);
 }
@@ -27,16 +23,6 @@ std::string with_unit(const std::string& name, const std::string& unit) {
 double rms(const FittedRun& fit, std::size_t n) {
   const FitTarget& target = fit.targets[n];
   return target.scale * std::sqrt(fit.outcome.sums[n] / static_cast<double>(target.values.size()));
-}
-
-/// R^2: 1 - the sum of the squared differences / that of the measurements from their mean.
-double determination_of(const FittedRun& fit, std::size_t n) {
-  const FitTarget& target = fit.targets[n];
-  const auto count = static_cast<double>(target.values.size());
-  const double mean = std::accumulate(target.values.begin(), target.values.end(), 0.0) / count;
-  double spread = 0.0;
-  for (const double value : target.values) spread += std::pow(value - mean, 2);
-  return pliant::determination_of(fit.outcome.sums[n] * target.scale * target.scale, spread);
 }
 
 std::vector<std::string> notes_of(const FittedRun& fit) {
@@ -112,6 +98,15 @@ std::string targets_on_page(const FittedRun& fit) {
 }
 
 }  // namespace
+
+double determination_of(const FittedRun& fit, std::size_t n) {
+  const FitTarget& target = fit.targets[n];
+  const auto count = static_cast<double>(target.values.size());
+  const double mean = std::accumulate(target.values.begin(), target.values.end(), 0.0) / count;
+  double spread = 0.0;
+  for (const double value : target.values) spread += std::pow(value - mean, 2);
+  return determination_of(fit.outcome.sums[n] * target.scale * target.scale, spread);
+}
 
 std::vector<std::string> fit_tables(const FittedRun& fit) {
   std::vector<std::string> lines{fmt::format("{}: {}", fit.config.file, heading(fit))};

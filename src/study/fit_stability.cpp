@@ -129,7 +129,7 @@ std::vector<StabilityRange> stability_of(const FitMaterial& material, std::span<
   for (std::size_t n = 0; n < measured.size(); ++n) measured[n] = {static_cast<Loading>(n), 1.0, 1.0, false, {}};
   for (const MaterialTest& test : tests) {
     if (test.config.kind == TestKind::dma) continue;
-    StabilityRange& range = measured[static_cast<std::size_t>(test.config.loading)];
+    StabilityRange& range = measured[static_cast<std::size_t>(*test.config.loading)];
     range.is_measured = true;
     const std::vector<double> amounts = test.is_elastic() ? test.x : std::vector<double>{test.held_amount()};
     for (const double amount : amounts) {

@@ -40,10 +40,10 @@ RoughModuli rough_moduli(std::span<const MaterialTest> tests) {
       if (test.config.kind == TestKind::volumetric) {
         append(bulk, test.y[n] / (1.0 - test.x[n]));
       } else if (test.config.kind == TestKind::dma) {
-        append(shear, test.y[2 * n] / (test.config.loading == Loading::simple_shear ? 1.0 : 3.0));
+        append(shear, test.y[2 * n] / (*test.config.loading == Loading::simple_shear ? 1.0 : 3.0));
       } else {
         const double amount = test.is_elastic() ? test.x[n] : test.held_amount();
-        append(shear, test.y[n] / neo_hookean(test.config.loading, amount));
+        append(shear, test.y[n] / neo_hookean(*test.config.loading, amount));
       }
     }
   }

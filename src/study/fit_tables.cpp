@@ -46,10 +46,6 @@ std::string shown(double value) {
   return std::isnan(value) ? "" : fmt::format("{:.7g}", value);
 }
 
-std::string unit_of(const std::string& unit) {
-  return unit == "1" ? "" : unit;
-}
-
 }  // namespace
 
 std::string fit_heading(const FittedMaterial& fit) {
@@ -76,6 +72,14 @@ double determination_of(double differences, double spread) {
 
 std::string determination_shown(double determination) {
   return std::isnan(determination) ? "-" : fmt::format("{:.5f}", determination);
+}
+
+std::optional<std::string> warning_about_determination(const std::string& name, double determination) {
+  if (!(determination < 0.0)) return std::nullopt;
+  return fmt::format(
+      "{}: the fit is farther from the measurements than their mean is (R^2 = {:.2g}): check the columns and their "
+      "units, the kind of the test and its loading, or take another model",
+      name, determination);
 }
 
 std::vector<TestSummary> summaries_of(const FittedMaterial& fit) {
@@ -110,7 +114,7 @@ std::vector<std::string> fit_tables(const FittedMaterial& fit) {
                               : has_error ? number_in_table(fit.outcome.standard_errors[*place], 3)
                                           : "";
     lines.push_back(
-        fmt::format("{:<{}}  {:>14}  {:>14}  {}", p.name, width, shown(fit.all[n]), error, unit_of(p.unit)));
+        fmt::format("{:<{}}  {:>14}  {:>14}  {}", p.name, width, shown(fit.all[n]), error, unit_shown(p.unit)));
   }
   if (fit.residuals.empty()) return lines;
   const bool is_relative = fit.config.residual == ResidualKind::relative;

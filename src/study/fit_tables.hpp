@@ -3,6 +3,7 @@
 
 #include "study/fit.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,8 @@ std::string number_in_csv(double value);
 /// R^2 from the sum of the squared differences and that of the measurements from their mean; NaN if these are all
 /// alike.
 double determination_of(double differences, double spread);
+/// There is one if the curve describes its measurements worse than their mean does.
+std::optional<std::string> warning_about_determination(const std::string& name, double determination);
 /// Five decimals, "-" if it is not known.
 std::string determination_shown(double determination);
 

@@ -150,7 +150,7 @@ std::vector<Sensitive> relaxing_stress(const FitMaterial& material, std::span<co
   std::vector<PronyBranch> series;
   for (const Branch& b : branches) series.push_back({b.ratio, b.time});
   const RelaxationHistory history(test.held_amount(), test.config.rate);
-  const ElasticStresses stresses(material, all, test.config.loading, history);
+  const ElasticStresses stresses(material, all, *test.config.loading, history);
   std::vector<Sensitive> result;
   for (const double t : times) {
     const auto elastic = stresses.at(t);
@@ -182,9 +182,9 @@ double MaterialTest::held_amount() const {
 
 std::vector<Sensitive> MaterialTest::predicted(const FitMaterial& material, std::span<const double> all,
                                                std::span<const double> at) const {
-  if (config.kind == TestKind::dma) return dynamic_moduli(material, all, config.loading, at);
+  if (config.kind == TestKind::dma) return dynamic_moduli(material, all, *config.loading, at);
   if (config.kind == TestKind::relaxation) return relaxing_stress(material, all, *this, at);
-  return material.stress(all, config.loading, at);
+  return material.stress(all, *config.loading, at);
 }
 
 MaterialTest read_test(const FitTestConfig& config, const std::string& directory) {
@@ -192,10 +192,16 @@ MaterialTest read_test(const FitTestConfig& config, const std::string& directory
   const std::string file = (fs::path(directory) / config.data.value).string();
   MaterialTest test{config, "", {}, {}, ""};
   const TestKindInfo& info = kinds[static_cast<std::size_t>(config.kind)];
-  if (test.is_elastic()) test.config.loading = info.loading;
+  test.config.loading = test.is_elastic() ? info.loading : config.loading.value_or(Loading::uniaxial);
   test.name = fmt::format("{} {}", info.name, fs::path(config.data.value).filename().string());
   auto [columns, note] = read_measurements(file, config.data.where, columns_of(config.kind));
   test.note = std::move(note);
+  if (config.kind == TestKind::dma && !config.loading) {
+    test.note += fmt::format(
+        "{}its moduli count as Young's, E' and E'' of `loading: uniaxial`; for shear moduli G' and G'' write `loading: "
+        "simple-shear`",
+        test.note.empty() ? file + ": " : "; ");
+  }
   test.x = std::move(columns[0]);
   for (std::size_t n = 0; n < test.x.size(); ++n) {
     for (std::size_t k = 1; k < columns.size(); ++k) test.y.push_back(columns[k][n]);

@@ -27,7 +27,7 @@ struct MaterialTest {
   std::string name;       ///< for tables: the kind and the file
   std::vector<double> x;  ///< stretch, 1 + amount of shear, volume ratio, time [s], angular frequency [1/s]
   std::vector<double> y;  ///< nominal stress, pressure, or storage and then loss modulus: two for each x [Pa]
-  std::string note;       ///< on the units of the table; empty if there is none
+  std::string note;       ///< on what the table does not say; empty if there is none
 
   bool is_elastic() const { return config.kind < TestKind::relaxation; }
   /// The amount at which a relaxing specimen is held.

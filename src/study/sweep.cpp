@@ -8,9 +8,9 @@
 #include "run/summary.hpp"
 #include "study/earlier_runs.hpp"
 #include "study/history_plots.hpp"
-#include "study/latin_hypercube.hpp"
 #include "study/result_columns.hpp"
 #include "study/sweep_plots.hpp"
+#include "study/swept_keys.hpp"
 #include "study/varied_input.hpp"
 
 #include <algorithm>
@@ -30,28 +30,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t most_runs = 1000;
-
 /// For people and names of files.
 std::string plain_text(const InputNode& value) {
   return value.kind == InputNode::Kind::scalar ? value.text : flow_text(value);
 }
 
-/// A key with the values that it is given one after another, or a range from which samples are taken.
-struct SweptKey {
-  std::string path;
-  std::vector<InputNode> values;
-  std::optional<NumberRange> range;
-};
-
 struct Case {
   std::vector<Override> changes;  ///< all of them
   fs::path directory;
 };
-
-InputError refusal(const std::string& why) {
-  return {{"pliant sweep", 0, 0}, why};
-}
 
 std::string in_words(const Ended& how) {
   if (how.code == 0) return "done";
@@ -73,8 +60,7 @@ class Sweep {
       throw InputError({file_, 0, 0}, "cannot read it: give the path of an input file (YAML)");
     }
     text_.assign(std::istreambuf_iterator<char>(stream), {});
-    sort(changes);
-    mark_logarithmic();
+    swept_ = SweptKeys(text_, file_, changes, options_);
     refuse_taken_names();
     make_cases();
   }
@@ -112,99 +98,22 @@ class Sweep {
   }
 
  private:
-  /// Which changes are swept: those with a list where the input does not accept one, and those with a range.
-  void sort(const std::vector<Override>& changes) {
-    std::vector<std::pair<const Override*, InputNode>> lists;
-    for (const Override& change : changes) {
-      InputNode value = value_of(change);
-      if ((value.kind == InputNode::Kind::list && !value.children.empty()) || range_of(change, value)) {
-        lists.emplace_back(&change, std::move(value));
-      } else {
-        fixed_.push_back(change);
-      }
-    }
-    for (const auto& [change, value] : lists) {
-      if (const auto range = range_of(*change, value)) {
-        swept_.push_back({change->path, {}, range});
-      } else if (accepts(*change)) {
-        fixed_.push_back(*change);
-      } else {
-        swept_.push_back({change->path, value.children, {}});
-      }
-    }
-    for (auto later = swept_.begin(); later != swept_.end(); ++later) {
-      const auto is_replaced = [&](const SweptKey& key) { return (key.path + '.').starts_with(later->path + '.'); };
-      const auto lost = std::find_if(swept_.begin(), later, is_replaced);
-      if (lost == later) continue;
-      throw refusal(fmt::format("the values of '{}' would replace those of '{}' before it; sweep one of them alone",
-                                later->path, lost->path));
-    }
-    if (swept_.empty()) {
-      throw refusal("nothing varies: give a key a list of values, e.g. --set 'time.step=[10 ms, 5 ms, 2 ms]'");
-    }
-    const auto ranged = std::ranges::find_if(swept_, [](const SweptKey& key) { return key.range.has_value(); });
-    if (ranged != swept_.end() && options_.samples == 0) {
-      throw refusal(
-          fmt::format("'{}' has a range: say how many values to take from it, e.g. --samples 20", ranged->path));
-    }
-    if (ranged == swept_.end() && options_.samples > 0) {
-      throw refusal("--samples takes values from ranges, and no key has one, e.g. --set bodies.0.density=900..1100");
-    }
-  }
-
-  static std::optional<NumberRange> range_of(const Override& change, const InputNode& value) {
-    if (value.kind != InputNode::Kind::scalar) return std::nullopt;
-    try {
-      return parse_range(value.text);
-    } catch (const std::invalid_argument& error) {
-      throw InputError({fmt::format("--set {}={}", change.path, change.value), 0, 0}, error.what());
-    }
-  }
-
-  void mark_logarithmic() {
-    for (const std::string& path : options_.logarithmic) {
-      const auto key = std::ranges::find_if(swept_, [&](const SweptKey& k) { return k.path == path && k.range; });
-      if (key == swept_.end()) {
-        throw InputError({"--logarithmic " + path, 0, 0}, "this key has no range, as in --set KEY=LOW..HIGH");
-      }
-      if (key->range->low <= 0.0) {
-        throw InputError({"--logarithmic " + path, 0, 0}, "both ends of the range must be positive");
-      }
-      key->range->is_logarithmic = true;
-    }
-  }
-
-  bool accepts(const Override& change) const {
-    try {
-      (void)read_input(text_, file_, {change});
-      return true;
-    } catch (const InputError&) {
-      return false;
-    }
-  }
-
-  /// Every combination; the last list varies fastest, and the samples within it.
   void make_cases() {
-    std::size_t count = static_cast<std::size_t>(std::max(options_.samples, 1));
-    for (const auto& key : swept_) {
-      count *= key.range ? 1 : key.values.size();
-      if (count > most_runs) {
-        throw refusal(fmt::format("the sweep has more than {} runs: sweep fewer values", most_runs));
-      }
-    }
-    const auto values = values_of_cases(count);
-    for (std::size_t k = 0; k < swept_.size(); ++k) {
-      const auto& range = swept_[k].range;
-      const std::string unit = unit_of_key(swept_[k].path);
-      keys_.push_back({short_name(k), {}, unit == "1" ? "" : unit, range.has_value()});
+    const auto values = swept_.cases();
+    const std::size_t count = values.size();
+    const auto& swept = swept_.keys();
+    for (std::size_t k = 0; k < swept.size(); ++k) {
+      const auto& range = swept[k].range;
+      const std::string unit = unit_of_key(swept[k].path);
+      keys_.push_back({swept_.short_name(k), {}, unit == "1" ? "" : unit, range.has_value()});
       if (range && range->is_logarithmic) keys_[k].scale = Scale::logarithmic;
       for (const auto& of_case : values) keys_[k].texts.push_back(plain_text(of_case[k]));
     }
     const std::size_t width = std::to_string(count).size();
     for (std::size_t number = 0; number < count; ++number) {
-      Case one{fixed_, {}};
-      for (std::size_t k = 0; k < swept_.size(); ++k) {
-        one.changes.push_back({swept_[k].path, flow_text(values[number][k])});
+      Case one{swept_.fixed(), {}};
+      for (std::size_t k = 0; k < swept.size(); ++k) {
+        one.changes.push_back({swept[k].path, flow_text(values[number][k])});
       }
       const std::string name =
           file_name_of(fmt::format("{:0{}}_{}", number + 1, std::max<std::size_t>(width, 2), label_of(keys_, number)));
@@ -233,34 +142,6 @@ class Sweep {
       if (seen.insert(words).second) inputs.push_back(read_input(text_, file_, cases_[i].changes));
     }
     require_columns(PETSC_COMM_WORLD, options_.results, inputs);
-  }
-
-  /// Cases x swept keys.
-  std::vector<std::vector<InputNode>> values_of_cases(std::size_t count) const {
-    const auto num_ranges = std::ranges::count_if(swept_, [](const SweptKey& key) { return key.range.has_value(); });
-    const std::size_t samples = static_cast<std::size_t>(std::max(options_.samples, 1));
-    const auto points = latin_hypercube(samples, static_cast<std::size_t>(num_ranges), options_.seed);
-    std::vector<std::vector<InputNode>> cases(count, std::vector<InputNode>(swept_.size()));
-    for (std::size_t number = 0; number < count; ++number) {
-      std::size_t rest = number / samples, range = static_cast<std::size_t>(num_ranges);
-      for (std::size_t k = swept_.size(); k-- > 0;) {
-        const SweptKey& key = swept_[k];
-        if (key.range) {
-          cases[number][k] = value_of({key.path, key.range->at(points[number % samples][--range])});
-        } else {
-          cases[number][k] = key.values[rest % key.values.size()];
-          rest /= key.values.size();
-        }
-      }
-    }
-    return cases;
-  }
-
-  std::string short_name(std::size_t k) const {
-    const auto last = [](const std::string& path) { return path.substr(path.rfind('.') + 1); };
-    const std::string name = last(swept_[k].path);
-    const auto same = std::ranges::count_if(swept_, [&](const SweptKey& key) { return last(key.path) == name; });
-    return same == 1 ? name : swept_[k].path;
   }
 
   Program program(const Case& one) const {
@@ -299,7 +180,7 @@ class Sweep {
   /// Results are columns of sweep.csv, next to others.
   void refuse_taken_names() const {
     std::vector<std::string> taken{"directory", "exit_code", "seconds"};
-    for (const auto& key : swept_) taken.push_back(key.path);
+    for (const auto& key : swept_.keys()) taken.push_back(key.path);
     for (const RunNumber& result : options_.results) {
       if (std::ranges::find(taken, result.name) != taken.end()) {
         throw InputError({"--result " + result.name, 0, 0},
@@ -370,13 +251,13 @@ class Sweep {
 
   std::string csv() const {
     std::vector<std::string> header;
-    for (const auto& key : swept_) header.push_back(key.path);
+    for (const auto& key : swept_.keys()) header.push_back(key.path);
     header.emplace_back("directory");
     std::vector<std::vector<double>> in_si;  // of the keys whose values have a unit
     for (std::size_t k = 0; k < keys_.size(); ++k) {
       auto numbers = keys_[k].unit.empty() ? std::nullopt : si_values(keys_[k]);
       if (!numbers) continue;
-      header.push_back(fmt::format("{} [{}]", swept_[k].path, keys_[k].unit));
+      header.push_back(fmt::format("{} [{}]", swept_.keys()[k].path, keys_[k].unit));
       in_si.push_back(std::move(*numbers));
     }
     for (const char* name : {"exit_code", "seconds"}) header.emplace_back(name);
@@ -400,6 +281,11 @@ class Sweep {
   /// One plot for each column that varies in some run, and those of each result. Returns how many.
   std::size_t draw() const {
     const ColumnPlots drawn(histories_, directory_);
+    // A key that goes along with another one adds nothing to the labels.
+    std::vector<SweptValues> of_their_own;
+    for (std::size_t k = 0; k < keys_.size(); ++k) {
+      if (!swept_.keys()[k].goes_with) of_their_own.push_back(keys_[k]);
+    }
     std::size_t count = 0;
     for (const std::string& name : history_columns()) {
       if (!is_bookkeeping(name) && drawn.draw(name)) ++count;
@@ -407,7 +293,7 @@ class Sweep {
     for (const RunNumber& result : options_.results) {
       SweptResult found{result.name, result.unit(histories_), {}};
       for (const LabelledHistory& history : histories_) found.values.push_back(result.of(history.table));
-      count += draw_result(keys_, found, directory_);
+      count += draw_result(of_their_own, found, directory_);
     }
     return count;
   }
@@ -429,8 +315,7 @@ class Sweep {
   std::string file_, text_;
   const SweepOptions& options_;
   Console& console_;
-  std::vector<Override> fixed_;
-  std::vector<SweptKey> swept_;
+  SweptKeys swept_;
   std::vector<SweptValues> keys_;  // in the order of swept_
   fs::path directory_;
   std::vector<Case> cases_;

@@ -20,6 +20,7 @@ struct SweepOptions {
   int samples = 0;                         ///< how many points are taken from the ranges
   std::uint64_t seed = 1;                  ///< of the samples
   std::vector<std::string> logarithmic;    ///< keys whose ranges are sampled by factors
+  std::vector<std::string> together;       ///< "KEY,KEY": keys whose lists are gone through side by side
   std::vector<RunNumber> results;          ///< taken from each run
   std::vector<std::string> petsc_options;  ///< of each run
   Environment environment;                 ///< of each run

@@ -265,10 +265,16 @@ output: {{history: [{{name: P, of: first_piola_kirchhoff_stress_xx, take: mean}}
         modulus = 9e5 * (1 + sum(g * 1j * w * tau / (1 + 1j * w * tau) for g, tau in self.SERIES))
         self.table("dma.csv", "frequency [Hz],storage modulus [MPa],loss modulus [MPa]", frequency, modulus.real / 1e6,
                    modulus.imag / 1e6)
-        _, parameters, _ = self.fit("material: {model: neo-hookean, incompressible: true}\nviscosity: {model: prony, terms: 2}\n"
-                                    "residual: relative\ntests: [{kind: dma, data: dma.csv}]\n")
+        done, parameters, _ = self.fit("material: {model: neo-hookean, incompressible: true}\nviscosity: {model: prony, terms: 2}\n"
+                                       "residual: relative\ntests: [{kind: dma, data: dma.csv}]\n")
+        self.assertIn("its moduli count as Young's", done.stdout)
         self.check_series(parameters)
         self.assertAlmostEqual(parameters["shear_modulus"][0] / 3e5, 1, delta=1e-6)
+        for loading, factor in (("uniaxial", 1), ("simple-shear", 3)):
+            done, parameters, _ = self.fit("material: {model: neo-hookean, incompressible: true}\nviscosity: {model: prony, terms: 2}\n"
+                                           f"residual: relative\ntests: [{{kind: dma, data: dma.csv, loading: {loading}}}]\n")
+            self.assertAlmostEqual(parameters["shear_modulus"][0] / (factor * 3e5), 1, delta=1e-6)
+            self.assertNotIn("count as Young's", done.stdout)
         # With times that are held the ratios alone remain, which enter linearly.
         _, parameters, _ = self.fit("material: {model: neo-hookean, shear_modulus: 0.3 MPa, incompressible: true}\n"
                                     "viscosity: {model: prony, relaxation_times: [0.2 s, 7 s]}\n"
@@ -334,6 +340,14 @@ class WhatIsWritten(Fit):
         self.assertEqual(parameters["c01"][1], np.inf)
         self.assertAlmostEqual(parameters["c10"][0] + parameters["c01"][0], 130e3, delta=1)
         self.assertIn("the data do not determine 'c01'", done.stderr)
+
+    def test_curves_that_miss_the_measurements(self):
+        # A material under tension that becomes softer where the law becomes stiffer.
+        stretch = np.linspace(1.1, 3, 20)
+        self.table("bar.csv", "stretch,stress [MPa]", stretch, 1 - 0.3 * (stretch - 1))
+        done, parameters, _ = self.fit("material: {model: neo-hookean, incompressible: true}\ntests: [{kind: uniaxial, data: bar.csv}]\n"
+                                       "bounds: {shear_modulus: [1 Pa, 2 MPa]}\n")
+        self.assertRegex(done.stderr, r"uniaxial bar.csv: the fit is farther from the measurements than their mean is \(R\^2 = -\d")
 
     def test_bounds_and_stability(self):
         done, parameters, _ = self.treloar("model: mooney-rivlin", "uniaxial", more="bounds: {c01: [0 Pa, 1 MPa]}")

@@ -460,7 +460,7 @@ class Damage(RestartTest):
 
     def test_another_version(self):
         self.older.unlink()
-        self.newer.write_bytes(self.newer.read_bytes().replace(b"version 4", b"version 1", 1))
+        self.newer.write_bytes(self.newer.read_bytes().replace(b"version 5", b"version 1", 1))
         self.fails(4, "another version", numbers_of_ranks=(1, 2))
 
     def test_no_checkpoint(self):

@@ -55,6 +55,22 @@ class Sweep(ProgramTest):
         self.assertAlmostEqual(far / near, 2.0, delta=0.01)
         self.assertTrue(np.isfinite(far))
 
+    def test_lists_side_by_side(self):
+        done = self.sweep("time.step=[10 ms, 20 ms, 5 ms]", "time.method=[bdf2, backward-euler]", "bodies.0.density=[900, 1000, 1100]", "time.end=20 ms",
+                          options=("--together", "bodies.0.density,time.step", "--result", "sag=min(tip_z)"))
+        self.assertIn("6 runs of", done.stdout)
+        self.assertEqual([(row["time.step"], row["time.method"], row["bodies.0.density"]) for row in self.rows()],
+                         [(step, method, density) for step, density in (("10 ms", "900"), ("20 ms", "1000"), ("5 ms", "1100"))
+                          for method in ("bdf2", "backward-euler")])
+        text = list(ElementTree.parse(self.directory / "out/sag.svg").getroot().itertext())
+        self.assertTrue({"method=bdf2", "method=backward-euler"} <= {part.strip() for part in text}, "curves of the methods alone")
+        for together, expected in (("time.step,time.end", "'time.end' has no list of values"), ("time.step", "give the keys that vary together"),
+                                   ("time.step,time.step", "'time.step' is named twice"), ("time.step,time.method", "'time.step' has 3 values and 'time.method' has 2")):
+            with self.subTest(together):
+                done = self.sweep("time.step=[10 ms, 20 ms, 5 ms]", "time.method=[bdf2, backward-euler]", options=("--together", together), code=2)
+                self.assertIn(f"--together {together}: " + expected, done.stderr)
+                self.assertEqual(done.stderr.count("\n"), 1)
+
     def test_samples_of_ranges(self):
         settings = ("bodies.0.density=500..2000", "bodies.0.elasticity.youngs_modulus=0.1..10 MPa", "time.end=20 ms", "time.method=[bdf2, backward-euler]")
         options = ("--samples", "4", "--seed", "3", "--logarithmic", "bodies.0.elasticity.youngs_modulus", "--result", "sag=min(tip_z)")

@@ -66,6 +66,13 @@ class Tendons(ProgramTest):
         pull = one["flexor_length"][0] - one["flexor_length"][-1]
         np.testing.assert_allclose(pull, 2.92e-3, rtol=0.003)
         np.testing.assert_allclose(one["flexor_tension"], [0, 0.25, 0.5, 0.75, 1])
+        for load in ('tension: "1*min(t, 1)"', "tension: 1"):  # the work of one that turns with the finger, in few steps
+            for steps in (2, 4):
+                h = self.solve(self.finger(load), f"method: static, end: 1, load_steps: {steps}")
+                T, length = h["flexor_tension"], h["flexor_length"]
+                np.testing.assert_allclose(h["load_work"][-1], -0.5 * (T[1:] + T[:-1]) @ np.diff(length), rtol=1e-9)
+                np.testing.assert_allclose(h["load_work"][-1], h["elastic_energy"][-1], rtol=0.02)
+                self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-6 * h["elastic_energy"].max())
         # The same place is reached by the pull that belongs to it.
         k = 1e4
         pulled = self.finger(f"pull: {pull + 1 / k}, stiffness: {k}")

@@ -66,7 +66,8 @@ TEST_P(EveryTest, HasTheDerivativesThatDifferencesShow) {
   const FitConfig config = read_fit(one.material + "tests: [{data: none.csv, " + one.test + "}]\n", "fit.yaml");
   const FitMaterial material(config.material, config.viscosity);
   MaterialTest test{config.tests.front(), "", one.x, {}, ""};
-  if (test.is_elastic()) test.config.loading = test_kinds()[static_cast<std::size_t>(test.config.kind)].loading;
+  const Loading loading_of_kind = test_kinds()[static_cast<std::size_t>(test.config.kind)].loading;
+  test.config.loading = test.is_elastic() ? loading_of_kind : test.config.loading.value_or(Loading::uniaxial);
   ASSERT_EQ(material.num_free(), one.values.size());
   const auto at = [&](std::size_t j, double change) {
     auto values = one.values;

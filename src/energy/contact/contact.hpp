@@ -25,6 +25,7 @@ class Contact final : public EnergyTerm {
   TermDeclaration declaration() const override {
     return {.account = Account::stored,
             .depends_on_time = obstacle_->moves(),
+            .has_moving_obstacle = obstacle_->moves(),
             .is_wall = surface_->law().kind == NormalKind::barrier};
   }
   double value(const LocalStage& stage, std::span<const double> q) const override;

@@ -5,6 +5,7 @@
 #include "petsc/collective.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace pliant {
 
@@ -35,19 +36,35 @@ std::vector<TermPower> EnergyAccounts::powers(Vec q, Vec v, Vec r) {
   return result;
 }
 
-std::vector<double> EnergyAccounts::energies(const Instant& when, Vec q, Vec z) {
+std::vector<double> EnergyAccounts::sums_of_energies(const Wanted& wanted, std::initializer_list<Weighted> instants,
+                                                     Vec q, Vec z) {
+  std::vector<double> result(terms_.size(), 0.0);
+  const auto is_wanted = [&](std::size_t k) { return wanted(terms_[k].declaration()); };
+  if (std::ranges::none_of(terms_.all(), [&](const EnergyTerm* term) { return wanted(term->declaration()); })) {
+    return result;
+  }
   const auto at = terms_.at_without_stage(q);
-  Instant instant = when;
-  std::vector<double> result;
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    instant.near = terms_.near(k);
-    result.push_back(terms_[k].energy_at(instant, at, terms_.internal_of(k, z)));
+    if (!is_wanted(k)) continue;
+    for (auto [when, weight] : instants) {
+      when.near = terms_.near(k);
+      result[k] += weight * terms_[k].energy_at(when, at, terms_.internal_of(k, z));
+    }
   }
   sum_in_place(terms_.layout().comm, result);
   for (const std::size_t k : terms_.functions_of_sum()) {
-    result[k] += terms_.function_of_sum(k).energy_of_sum(when, terms_.sum_of(k));
+    if (!is_wanted(k)) continue;
+    const FunctionOfSum& function = terms_.function_of_sum(k);
+    for (const auto& [when, weight] : instants) result[k] += weight * function.energy_of_sum(when, terms_.sum_of(k));
   }
   return result;
+}
+
+std::vector<double> EnergyAccounts::energies(const Instant& when, Vec q, Vec z) {
+  const auto has_account = [](const TermDeclaration& is) {
+    return is.account == Account::stored || is.account == Account::load_potential;
+  };
+  return sums_of_energies(has_account, {{when}}, q, z);
 }
 
 std::vector<double> EnergyAccounts::dissipated(Vec z) const {
@@ -58,27 +75,16 @@ std::vector<double> EnergyAccounts::dissipated(Vec z) const {
   return result;
 }
 
-double EnergyAccounts::supplied(const Instant& from, const Instant& to, Vec q, Walls walls) {
-  const auto is_concerned = [walls](const EnergyTerm* term) {
-    const TermDeclaration is = term->declaration();
-    return is.depends_on_time && is.is_wall == (walls == Walls::alone);
+double EnergyAccounts::supplied(const Instant& from, const Instant& to, Vec q, MovingObstacles which) {
+  const auto is_concerned = [which](const TermDeclaration& is) {
+    return is.depends_on_time && is.has_moving_obstacle == (which == MovingObstacles::alone);
   };
-  if (std::ranges::none_of(terms_.all(), is_concerned)) return 0.0;
-  const auto at = terms_.at_without_stage(q);
-  double mine = 0.0;
-  for (std::size_t k = 0; k < terms_.size(); ++k) {
-    if (!is_concerned(&terms_[k])) continue;
-    Instant before = from, after = to;
-    before.near = after.near = terms_.near(k);
-    mine += terms_[k].energy_at(after, at, {}) - terms_[k].energy_at(before, at, {});
-  }
-  double total = sum(terms_.layout().comm, mine);
-  for (const std::size_t k : terms_.functions_of_sum()) {
-    if (!is_concerned(&terms_[k])) continue;
-    const FunctionOfSum& function = terms_.function_of_sum(k);
-    total += function.energy_of_sum(to, terms_.sum_of(k)) - function.energy_of_sum(from, terms_.sum_of(k));
-  }
-  return total;
+  const auto gained = sums_of_energies(is_concerned, {{to}, {from, -1.0}}, q);
+  return std::accumulate(gained.begin(), gained.end(), 0.0);
+}
+
+std::vector<double> EnergyAccounts::load_energies(const Instant& one, const Instant& other, Vec q) {
+  return sums_of_energies([](const TermDeclaration& is) { return is.has_load_energy; }, {{one}, {other}}, q);
 }
 
 BodyState EnergyAccounts::state_of(const EnergyTerm& term, const Instant& at, Vec q, Vec v, Vec z) {

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <functional>
+#include <initializer_list>
 #include <vector>
 
 namespace pliant {
@@ -27,14 +28,17 @@ class EnergyAccounts {
   /// r = the gradient of the potential of the stage with the reactions on prescribed entries; returns what the forces
   /// of each term do at the velocity v.
   std::vector<TermPower> powers(Vec q, Vec v, Vec r);
-  /// EnergyTerm::energy_at of each term; z may be nullptr if there are no internal variables [J].
+  /// EnergyTerm::energy_at of each term whose account is `stored` or `load_potential`, 0 for the others; z may be
+  /// nullptr if there are no internal variables [J].
   std::vector<double> energies(const Instant& when, Vec q, Vec z);
   /// EnergyTerm::dissipated of each term; z as above [J].
   std::vector<double> dissipated(Vec z) const;
-  /// Which terms count: walls (TermDeclaration::is_wall) may have infinite energies where they stand later.
-  enum class Walls { left_out, alone };
+  /// Which terms count: TermDeclaration::has_moving_obstacle.
+  enum class MovingObstacles { left_out, alone };
   /// Change of the energies at fixed q from one instant to another, which time alone causes [J].
-  double supplied(const Instant& from, const Instant& to, Vec q, Walls walls);
+  double supplied(const Instant& from, const Instant& to, Vec q, MovingObstacles which);
+  /// The sum of the energies that each term which `has_load_energy` has at two instants, 0 for the others [J].
+  std::vector<double> load_energies(const Instant& one, const Instant& other, Vec q);
   /// Calls `visit` for the stress that each term has in each of its local cells, ghosts included; z as above, v =
   /// nullptr: at rest.
   void visit_stresses(const Instant& at, Vec q, Vec v, Vec z,
@@ -44,6 +48,15 @@ class EnergyAccounts {
   BodyState state_of(const EnergyTerm& term, const Instant& at, Vec q, Vec v, Vec z);
 
  private:
+  struct Weighted {
+    Instant when;
+    double weight = 1.0;
+  };
+  using Wanted = std::function<bool(const TermDeclaration&)>;
+  /// The weighted sum of the energies at q of each term wanted, 0 for the others.
+  std::vector<double> sums_of_energies(const Wanted& wanted, std::initializer_list<Weighted> instants, Vec q,
+                                       Vec z = nullptr);
+
   StageTerms& terms_;
 };
 

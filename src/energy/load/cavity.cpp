@@ -11,7 +11,7 @@ LoadState load_state(const LocalStage& stage) {
 
 TermDeclaration Cavity::declaration() const {
   const bool changes = std::visit([](const auto& of) { return of.depends_on_time(); }, content_);
-  return {.account = changes ? Account::load : Account::load_potential};
+  return {.account = changes ? Account::load : Account::load_potential, .has_load_energy = true};
 }
 
 double Cavity::pressure(double S, const LoadState& at) const {
@@ -43,9 +43,8 @@ double Cavity::value_of_sum(const LocalStage& stage) const {
   return std::visit(work, content_);
 }
 
-double Cavity::energy_of_sum(const Instant& /*at*/, double S) const {
-  if (declaration().account != Account::load_potential) return 0.0;
-  return std::visit([&](const auto& of) { return of.work(0.0, S, LoadState{}); }, content_);
+double Cavity::energy_of_sum(const Instant& at, double S) const {
+  return std::visit([&](const auto& of) { return of.work(0.0, S, {at.time, at.load_factor}); }, content_);
 }
 
 double Cavity::curvature(const LocalStage& stage) const {

@@ -275,10 +275,10 @@ double DeadLoad::value(const LocalStage& stage, std::span<const double> q) const
   return stage.load_factor * total.total();
 }
 
-double DeadLoad::energy(std::span<const double> q, std::span<const double> /*z*/) const {
+double DeadLoad::energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const {
   CompensatedSum<double> total;
-  if (!depends_on_time()) for_each_force(0.0, [&](PetscInt i, double force) { total.add(-force * q[i]); });
-  return total.total();
+  for_each_force(at.time, [&](PetscInt i, double force) { total.add(-force * q[i]); });
+  return at.load_factor * total.total();
 }
 
 void DeadLoad::add_cell_works(const LocalStage& stage, std::span<const double> /*q*/, std::span<const double> d,

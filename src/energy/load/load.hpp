@@ -53,7 +53,7 @@ class DeadLoad final : public EnergyTerm {
 
   std::string_view name() const override { return "load"; }
   TermDeclaration declaration() const override {
-    return {.account = depends_on_time() ? Account::load : Account::load_potential};
+    return {.account = depends_on_time() ? Account::load : Account::load_potential, .has_load_energy = true};
   }
   bool has_adjoint() const override { return true; }
   double value(const LocalStage& stage, std::span<const double> q) const override;
@@ -63,8 +63,8 @@ class DeadLoad final : public EnergyTerm {
   /// Works of a load on cells that is uniform in space; other loads add nothing.
   void add_cell_works(const LocalStage& stage, std::span<const double> q, std::span<const double> d,
                       std::span<double> works) const override;
-  /// -int f . u of a load that does not depend on time; 0 for others.
-  double energy(std::span<const double> q, std::span<const double> z) const override;
+  /// -int f . u.
+  double energy_at(const Instant& at, std::span<const double> q, std::span<const double> z) const override;
 
   /// Nodal forces at a time, rows of owned nodes [N].
   std::vector<double> forces(double time) const;

@@ -11,8 +11,9 @@ FollowerPressure::FollowerPressure(const NodeLayout& layout, const BlockPattern&
 TermDeclaration FollowerPressure::declaration() const {
   if (!has_potential()) return {.is_potential = false, .symmetry = Symmetry::unsymmetric, .account = Account::load};
   // If the rim moves, its path matters, not only its position.
-  const bool has_energy = !pressure_.depends_on_time() && rim_ != Rim::moving;
-  return {.account = has_energy ? Account::load_potential : Account::load};
+  if (rim_ == Rim::moving) return {.account = Account::load};
+  const bool changes = pressure_.depends_on_time();
+  return {.account = changes ? Account::load : Account::load_potential, .has_load_energy = true};
 }
 
 std::vector<double> FollowerPressure::pressures(const LocalStage& stage) const {
@@ -25,9 +26,9 @@ double FollowerPressure::value(const LocalStage& stage, std::span<const double> 
   return has_potential() ? surface_.work(pressures(stage), stage.q0, q) : 0.0;
 }
 
-double FollowerPressure::energy(std::span<const double> q, std::span<const double> /*z*/) const {
-  if (declaration().account != Account::load_potential) return 0.0;
-  return surface_.work(surface_.weighted(pressure_, 0.0), std::vector<double>(q.size(), 0.0), q);
+double FollowerPressure::energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const {
+  if (!declaration().has_load_energy) return 0.0;
+  return at.load_factor * surface_.work(surface_.weighted(pressure_, at.time), std::vector<double>(q.size(), 0.0), q);
 }
 
 void FollowerPressure::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {

@@ -26,8 +26,8 @@ class FollowerPressure final : public EnergyTerm {
   /// Adds nothing if K is to be projected: the projected Hessian then treats the load as constant.
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                    Projection projection) const override;
-  /// p S of a constant pressure that has a potential, relative to the reference configuration.
-  double energy(std::span<const double> q, std::span<const double> z) const override;
+  /// p S of a pressure that has a potential and whose rim stays, relative to the reference configuration.
+  double energy_at(const Instant& at, std::span<const double> q, std::span<const double> z) const override;
 
  private:
   bool has_potential() const { return rim_ != Rim::free && !pressure_.depends_on_space(); }

@@ -42,6 +42,7 @@ TermDeclaration Tendon::declaration() const {
   declaration.rotates_with_body = false;
   if (const auto* given = std::get_if<GivenTension>(&drive_)) {
     declaration.account = given->tension.depends_on_time() ? Account::load : Account::load_potential;
+    declaration.has_load_energy = true;
   } else {
     declaration.account = Account::stored;
     declaration.depends_on_time = !spring()->pull.is_zero();  // load steps change even a constant pull
@@ -90,7 +91,7 @@ void Tendon::add_hessian(const LocalStage& stage, std::span<const double> q, con
 }
 
 double Tendon::energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const {
-  if (declaration().account != Account::load_potential) return 0.0;
+  if (spring() != nullptr) return 0.0;  // all of it is in energy_of_sum
   double length = 0.0;
   for (const PointLine& segment : TendonPath::segments(*at.near)) {
     if (segment.is_counted) length += norm(segment.way(q));

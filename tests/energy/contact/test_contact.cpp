@@ -162,7 +162,7 @@ TEST_P(Contacting, PowersAddUp) {
     if (term == terms_.contact.get()) {
       EXPECT_EQ(power.dissipated, 0.0);
       const double h = 1e-4, change = potential.accounts().supplied({time_of_stage - h, 1.0}, {time_of_stage + h, 1.0},
-                                                                    q_.get(), EnergyAccounts::Walls::left_out);
+                                                                    q_.get(), EnergyAccounts::MovingObstacles::alone);
       EXPECT_NEAR(power.supplied, change / (2.0 * h), 1e-6 * std::abs(power.supplied));
     } else {
       EXPECT_GT(power.dissipated, 0.0) << term->name();
