@@ -319,6 +319,19 @@ output: {{fields: [displacement, velocity]}}
         self.assertGreater(in_friction[-1], 0.8 * scale)
         self.assert_same(h["dissipated_friction"], in_friction, scale, tolerance=1e-2)
 
+    def test_steps_that_are_too_long_for_relaxation(self):
+        # A Prony series under a vibration, with so many steps a period.
+        write_box(self.directory / "bar.msh", (2, 1, 1), (0.2, 0.1, 0.1))
+        self.write("bar.yaml", """mesh: {file: bar.msh}
+bodies: [{elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.3}, viscosity: {model: prony, ratio: 0.5, relaxation_time: 0.16}}]
+constraints: [{surface: left, displacement: [0, 0, 0]}, {surface: right, displacement: ["0.01*sin(2*pi*t)", 0, 0]}]
+time: {method: quasistatic, step: 0.1, end: 2}
+""")
+        for steps, is_warned in ((10, True), (100, False)):
+            done = self.call("run", "bar.yaml", "--set", f"time.step={1 / steps}")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual("the works between equilibria miss" in done.stderr, is_warned, done.stderr)
+
     def test_walls_that_move_without_inertia(self):
         # A plane moves onto a block, by almost the width of the barrier in each step: it does the work that is stored.
         write_box(self.directory / "cube.msh", (2, 2, 2), (0.2, 0.2, 0.2))

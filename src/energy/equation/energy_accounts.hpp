@@ -29,7 +29,7 @@ class EnergyAccounts {
   /// of each term do at the velocity v.
   std::vector<TermPower> powers(Vec q, Vec v, Vec r);
   /// EnergyTerm::energy_at of each term whose account is `stored` or `load_potential`, 0 for the others; z may be
-  /// nullptr if there are no internal variables [J].
+  /// nullptr without internal variables [J].
   std::vector<double> energies(const Instant& when, Vec q, Vec z);
   /// EnergyTerm::dissipated of each term; z as above [J].
   std::vector<double> dissipated(Vec z) const;
