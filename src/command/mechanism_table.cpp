@@ -108,6 +108,19 @@ std::string line_of(const SpringConfig& spring, const LineSpring& on_mesh, doubl
   return text;
 }
 
+/// What the forces on a rigid part decide, after a comma.
+std::string freedom_of(const ConstraintConfig::Rigid& rigid) {
+  std::vector<std::string> axes;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!rigid.translation[i]) axes.emplace_back(1, "xyz"[i]);
+  }
+  std::string text = axes.empty() ? "" : ", moves freely along " + joined(axes);
+  const auto* about = std::get_if<RotationConfig::AboutAxis>(&rigid.rotation.kind);
+  if (std::holds_alternative<RotationConfig::Free>(rigid.rotation.kind)) text += ", turns freely";
+  if (about != nullptr && !about->angle) text += ", turns freely about " + place(about->axis);
+  return text;
+}
+
 }  // namespace
 
 std::vector<std::string> body_table(const Config& config, const Model& model) {
@@ -207,9 +220,9 @@ std::vector<std::string> rigid_part_table(const Config& config, const Model& mod
     const ConstraintPart& part = model.constraints().parts()[c];
     const auto count = sum(model.layout().comm, static_cast<PetscInt64>(part.nodes.size()));
     const std::string& name = config.constraints[c].name;
-    lines.push_back(fmt::format("  {}{}: {} nodes, center {}{}", name.empty() ? "" : name + ", ",
+    lines.push_back(fmt::format("  {}{}: {} nodes, center {}{}{}", name.empty() ? "" : name + ", ",
                                 describe(config.constraints[c].part), count, place(part.displacement.rigid->centre),
-                                rigid->center ? "" : " by default"));
+                                rigid->center ? "" : " by default", freedom_of(*rigid)));
   }
   return lines;
 }

@@ -31,6 +31,7 @@ constexpr std::array synonyms{
     Word{"bodies", "name", "volume"},
     Word{"viscosity", "g", "ratio"},
     Word{"viscosity", "g1", "ratio"},
+    Word{"viscosity", "g_i", "ratio"},
     Word{"viscosity", "weight", "ratio"},
     Word{"viscosity", "tau", "relaxation_time"},
     Word{"viscosity", "tau1", "relaxation_time"},
@@ -111,6 +112,10 @@ constexpr std::string_view damping =
     "mass-proportional, decay_rate: alpha}, {model: stiffness-proportional, time: beta}]";
 constexpr std::string_view rayleigh =
     "Rayleigh damping is [{model: mass-proportional, decay_rate: alpha}, {model: stiffness-proportional, time: beta}]";
+constexpr std::string_view ratio =
+    "the 'ratio' of a branch is that of its modulus to the one that stays: g of FEBio, and g/(1 - the sum of all g) "
+    "where these "
+    "are parts of the modulus at once, as in Abaqus";
 constexpr std::string_view velocity = "velocities at time 0 are given by 'initial: {velocity: [..]}'";
 constexpr std::string_view displacement = "displacements at time 0 are given by 'initial: {displacement: [..]}'";
 constexpr std::string_view material = "the material of a body is given by its 'elasticity', 'density' and 'viscosity'";
@@ -127,6 +132,9 @@ constexpr std::array explanations{
     Word{"bodies", "velocity", velocity},
     Word{"viscosity", "alpha", rayleigh},
     Word{"viscosity", "beta", rayleigh},
+    Word{"viscosity", "g", ratio},
+    Word{"viscosity", "g1", ratio},
+    Word{"viscosity", "g_i", ratio},
     Word{"constraints", "velocity", "write its integral over the time as the 'displacement', as in \"0.1*t\""},
     Word{"loads", "follower", follower},
     Word{"loads", "following", follower},

@@ -9,7 +9,7 @@ namespace pliant {
 /// empty.
 std::string_view key_for(std::string_view word, std::string_view section);
 
-/// In words what stands for a key that no key of the section replaces; else empty.
+/// In words what stands for a key that no key of the section replaces as it is; else empty.
 std::string_view instead_of(std::string_view word, std::string_view section);
 
 }  // namespace pliant

@@ -87,8 +87,10 @@ JointEfforts make_joint_efforts(const Config& config, const NodeLayout& layout, 
     }
   }
   std::ranges::sort(bodies, {}, &JointBody::key);
+  // Without inertia stages are steps of backward Euler, and dry friction is followed by minima of a potential.
+  const auto rates = analysis_of(config) == Analysis::dynamic ? JointRates::derivatives : JointRates::differences;
   for (auto& of_kind : of_kinds) {
-    if (!of_kind.empty()) efforts.terms.push_back(std::make_unique<JointEffort>(bodies, std::move(of_kind)));
+    if (!of_kind.empty()) efforts.terms.push_back(std::make_unique<JointEffort>(bodies, std::move(of_kind), rates));
   }
   return efforts;
 }

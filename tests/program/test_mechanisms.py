@@ -373,6 +373,37 @@ joints: [{name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], a
         h = self.solve(held, "method: dirk22, step: 10 ms, end: 1")
         self.assertLess(abs(h["axle_angle"][-1]), 2e-3)
 
+    def test_friction_where_loads_reverse(self):
+        """Springs and dry friction: play operators, within what friction creeps."""
+        def play(forces, largest, stiffness):
+            x = [0.0]
+            for force in forces[1:]:
+                x.append(min(max(x[-1], (force - largest) / stiffness), (force + largest) / stiffness))
+            return x
+
+        cart = """rigid_bodies: [{name: cart, mass: 1, inertia: [1, 1, 1], center: [0, 0, 0]}]
+joints: [{name: rail, type: slider, between: [ground, cart], point: [0, 0, 0], axis: [1, 0, 0], spring: {stiffness: 100}, friction: 2, stick_rate: RATE}]
+loads: [{volume: cart, force: ["5*sin(2*pi*t)", 0, 0]}]
+"""
+        for rate in (1e-3, 1e-5, 1e-7):
+            h = self.solve(cart.replace("RATE", str(rate)), "method: quasistatic, step: 10 ms, end: 1.2")
+            self.assertEqual(len(h["time"]), 121, "no step is repeated")
+            np.testing.assert_allclose(h["rail_travel"], play(5 * np.sin(2 * np.pi * h["time"]), 2, 100), atol=rate + 1e-8)
+        bearings = """rigid_bodies:
+  - {name: first, mass: 1, inertia: [1, 1, 1], center: [0, 0, 0]}
+  - {name: second, mass: 2, inertia: [1, 1, 1], center: [0, 0, 0.1]}
+joints:
+  - {name: lower, type: slider, between: [ground, first], point: [0, 0, 0], axis: [1, 0, 0], spring: {stiffness: 400}, bearing: {friction: 0.2}, stick_rate: RATE}
+  - {name: upper, type: slider, between: [first, second], point: [0, 0, 0.1], axis: [1, 0, 0], spring: {stiffness: 300}, bearing: {friction: 0.25}, stick_rate: RATE}
+loads: [{gravity: [0, 0, -10]}, {volume: second, force: ["12*sin(2*pi*t)", 0, 0]}]
+"""
+        for rate in (1e-3, 1e-5, 1e-7):
+            h = self.solve(bearings.replace("RATE", str(rate)), "method: quasistatic, step: 10 ms, end: 1.2")
+            self.assertEqual(len(h["time"]), 121, "no step is repeated")
+            force = 12 * np.sin(2 * np.pi * h["time"])
+            np.testing.assert_allclose(h["lower_travel"], play(force, 6, 400), atol=rate + 1e-8)
+            np.testing.assert_allclose(h["upper_travel"], play(force, 5, 300), atol=rate + 1e-8)
+
     def test_bearings_rub_by_the_load_that_they_carry(self):
         with self.subTest("a wheel on a horizontal axle"):
             wheel = """rigid_bodies: [{name: wheel, mass: 4, inertia: [0.1, 0.1, 0.05], center: [0, 0, 0], angular_velocity: [0, 0, 3]}]

@@ -84,6 +84,7 @@ void Mechanism::refreeze(std::span<const double> unknowns, Vec r) {
   }
   sum_in_place(comm_, forces);
   const Eigen::Map<const Vector> phi(forces.data(), static_cast<Eigen::Index>(forces.size()));
+  if (!phi.allFinite()) return bearings_.release();  // far from equilibrium
   bearings_.measure(solution.parts, joints_, given_, phi);
 }
 

@@ -221,13 +221,15 @@ void ConstrainedEquation::refreeze_map(Vec y, Vec r) {
   forget_gradients();
 }
 
-// A guess is not in equilibrium, and forces of constraints there may be of any size: the first solution is without what
-// follows from them.
+// A guess is not in equilibrium, and inertia may exert forces of any size on constraints there: the first solution is
+// without what follows from them. Without inertia they may be too large, and what sticks in the first solution may
+// slide in the next one; what slides in the first one would come to rest far from where it sticks.
 void ConstrainedEquation::freeze(Vec y) {
   forget_gradients();
   if (map_.refreezes()) refreeze_map(y, nullptr);
   expand(y, x_.get());
   equation_.freeze(x_.get());
+  if (map_.refreezes() && is_static()) refreeze_map(y, gradient_in_x(y));
 }
 
 bool ConstrainedEquation::refreeze(Vec y) {

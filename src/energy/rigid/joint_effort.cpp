@@ -39,6 +39,12 @@ double stored_energy(const JointLaw& law, double coordinate, std::optional<doubl
   return 0.5 * spring->stiffness * (now - then) * (now + then);
 }
 
+/// A way of the coordinate within a stage, whose rate is that of a difference: (s - start) per_time.
+struct JointMove {
+  double from, to;
+  double start, per_time;  // per_time: 1/dt, or 0 where there are no rates
+};
+
 /// log(cosh(a + d) / cosh(a)); keeps the digits of small changes d.
 double log_cosh_ratio(double a, double d) {
   if (std::abs(d) < 1.0) {
@@ -49,16 +55,41 @@ double log_cosh_ratio(double a, double d) {
   return log_cosh(a + d) - log_cosh(a);
 }
 
-/// What a motor without damping lets go when the coordinate moves from one value to another: with u = k (target - s),
-/// the integral of -sat(u) - effort.
-double potential_of(const JointMotor& motor, double coordinate, double from, double time, double factor) {
-  const double moved = coordinate - from;
-  const double u = motor.stiffness * (factor * motor.target(0.0, 0.0, 0.0, time) - from);
+/// What a motor lets go when the coordinate moves from one value to another: with u = k (target - s) + d (target' -
+/// s'), the integral of -sat(u) - effort.
+double potential_of(const JointMotor& motor, const JointMove& move, double time, double factor) {
+  const TimeJet target = motor.target.derivatives(0.0, 0.0, 0.0, time, time);
+  const double moved = move.to - move.from;
+  const double stiffness = motor.stiffness + motor.damping * move.per_time;
+  const double u = motor.stiffness * (factor * target.value - move.from) +
+                   motor.damping * (factor * target.rate - move.per_time * (move.from - move.start));
   const double given = -factor * motor.effort(0.0, 0.0, 0.0, time) * moved;
-  if (!motor.limit || motor.stiffness == 0.0) return given - (u - 0.5 * motor.stiffness * moved) * moved;
+  if (!motor.limit || stiffness == 0.0) return given - (u - 0.5 * stiffness * moved) * moved;
   const double limit = *motor.limit;
-  return given + limit * limit / motor.stiffness * log_cosh_ratio(u / limit, -motor.stiffness * moved / limit);
+  return given + limit * limit / stiffness * log_cosh_ratio(u / limit, -stiffness * moved / limit);
 }
+
+/// The integral of a law's effort, with the opposite sign, along a move [J].
+struct PotentialOf {
+  JointMove move;
+  double time, factor;
+
+  double operator()(const JointSpring& spring) const { return stored_energy(spring, move.to, move.from); }
+  double operator()(const JointStops& stops) const { return stored_energy(stops, move.to, move.from); }
+  double operator()(const JointMotor& motor) const { return potential_of(motor, move, time, factor); }
+  double operator()(const JointDamper& damper) const {
+    const double sum = (move.to - move.start) + (move.from - move.start);
+    return 0.5 * damper.coefficient * move.per_time * (move.to - move.from) * sum;
+  }
+  double operator()(const JointFriction& friction) const {
+    if (move.per_time == 0.0) return 0.0;
+    const double width = friction.stick_rate / move.per_time;
+    return friction.largest * width * log_cosh_ratio((move.from - move.start) / width, (move.to - move.from) / width);
+  }
+  double operator()(const BearingFriction& bearing) const {
+    return (*this)(JointFriction{*bearing.largest, bearing.stick_rate});
+  }
+};
 
 struct EffortOf {
   double coordinate, rate, time, factor;
@@ -206,7 +237,8 @@ class CoordinateOfNodes {
 };
 
 /// Whether the effort in a stage follows from the coordinate alone, and has a potential.
-bool has_potential(const JointLaw& law) {
+bool has_potential(const JointLaw& law, JointRates rates) {
+  if (rates == JointRates::differences) return true;
   const auto* motor = std::get_if<JointMotor>(&law);
   if (motor != nullptr) return motor->damping == 0.0;
   return std::holds_alternative<JointSpring>(law) || std::holds_alternative<JointStops>(law);
@@ -217,6 +249,10 @@ bool dissipates(const JointLaw& law) {
          std::holds_alternative<BearingFriction>(law);
 }
 
+bool has_rates(const LocalStage& stage) {
+  return !stage.q0.empty() && stage.dt > 0.0;
+}
+
 /// A joint in a stage.
 struct JointState {
   std::vector<double> u, velocity, slope;
@@ -224,16 +260,20 @@ struct JointState {
   double coordinate = 0.0, rate = 0.0;
 };
 
-JointState state_of(const CoordinateOfNodes& coordinate, const JointEffort::Joint& joint, const LocalStage& stage,
-                    std::span<const double> q) {
+JointState state_of(const CoordinateOfNodes& coordinate, const JointEffort::Joint& joint, JointRates rates,
+                    const LocalStage& stage, std::span<const double> q) {
   JointState state{coordinate.gather(q), std::vector<double>(coordinate.size(), 0.0), {}, {}};
   state.coordinate = coordinate(state.u);
   state.slope = coordinate.gradient(state.u);
-  if (!has_potential(joint.law) && !stage.q0.empty() && stage.dt > 0.0) {
+  if (has_rates(stage)) {
     const auto start = coordinate.gather(stage.q0);
-    for (std::size_t k = 0; k < start.size(); ++k) {
-      state.velocity[k] = (state.u[k] - start[k]) / stage.dt;
-      state.rate += state.slope[k] * state.velocity[k];
+    if (rates == JointRates::differences) {
+      state.rate = (state.coordinate - coordinate(start)) / stage.dt;
+    } else if (!has_potential(joint.law, rates)) {
+      for (std::size_t k = 0; k < start.size(); ++k) {
+        state.velocity[k] = (state.u[k] - start[k]) / stage.dt;
+        state.rate += state.slope[k] * state.velocity[k];
+      }
     }
   }
   state.effort = joint_effort(joint.law, state.coordinate, state.rate, stage.time, stage.load_factor);
@@ -257,7 +297,8 @@ JointBody joint_body(const NodeLayout& layout, const std::vector<int>& body_of_c
   return result;
 }
 
-JointEffort::JointEffort(const std::vector<JointBody>& bodies, std::vector<Joint> joints) : joints_(std::move(joints)) {
+JointEffort::JointEffort(const std::vector<JointBody>& bodies, std::vector<Joint> joints, JointRates rates)
+    : joints_(std::move(joints)), rates_(rates) {
   patches_.nodes_per_patch = 4;
   for (const JointBody& body : bodies) {
     const auto has_body = [&](const Joint& joint) {
@@ -285,7 +326,8 @@ std::string_view JointEffort::name() const {
 
 TermDeclaration JointEffort::declaration() const {
   TermDeclaration declaration;
-  declaration.is_potential = std::ranges::all_of(joints_, [](const Joint& joint) { return has_potential(joint.law); });
+  declaration.is_potential =
+      std::ranges::all_of(joints_, [&](const Joint& joint) { return has_potential(joint.law, rates_); });
   declaration.account = std::holds_alternative<JointMotor>(law()) ? Account::load : Account::stored;
   declaration.dissipates = dissipates(law());
   declaration.refreezes = std::holds_alternative<BearingFriction>(law());
@@ -320,37 +362,25 @@ std::vector<JointEffort::Seen> JointEffort::seen(const NearPatches& near) const 
   return result;
 }
 
-double JointEffort::sum_over_coordinates(
-    const NearPatches& near, std::span<const double> q, std::span<const double> from,
-    const std::function<double(const JointLaw&, double, std::optional<double>)>& energy) const {
-  double sum = 0.0;
-  for (const Seen& one : seen(near)) {
-    if (!one.is_counted) continue;
-    const CoordinateOfNodes coordinate(*one.joint, one.nodes, near.coordinates);
-    const auto at = [&](std::span<const double> place) {
-      const auto u = coordinate.gather(place);
-      return coordinate(u);
-    };
-    const std::optional<double> then = from.empty() ? std::nullopt : std::optional(at(from));
-    sum += energy(one.joint->law, at(q), then);
-  }
-  return sum;
-}
-
 double JointEffort::value(const LocalStage& stage, std::span<const double> q) const {
   if (!declaration().is_potential) return 0.0;
-  const auto potential = [&](const JointLaw& of, double now, std::optional<double> then) {
-    const auto* motor = std::get_if<JointMotor>(&of);
-    if (motor == nullptr) return stored_energy(of, now, then);
-    return potential_of(*motor, now, then.value_or(0.0), stage.time, stage.load_factor);
-  };
-  return sum_over_coordinates(*stage.near, q, stage.reference(), potential);
+  const double per_time = has_rates(stage) ? 1.0 / stage.dt : 0.0;
+  double sum = 0.0;
+  for (const Seen& one : seen(*stage.near)) {
+    if (!one.is_counted) continue;
+    const CoordinateOfNodes coordinate(*one.joint, one.nodes, stage.near->coordinates);
+    const auto at = [&](std::span<const double> place) { return coordinate(coordinate.gather(place)); };
+    const double from = stage.reference().empty() ? 0.0 : at(stage.reference());
+    const JointMove move{from, at(q), per_time > 0.0 ? at(stage.q0) : from, per_time};
+    sum += std::visit(PotentialOf{move, stage.time, stage.load_factor}, one.joint->law);
+  }
+  return sum;
 }
 
 void JointEffort::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
   for (const Seen& one : seen(*stage.near)) {
     const CoordinateOfNodes coordinate(*one.joint, one.nodes, stage.near->coordinates);
-    const JointState state = state_of(coordinate, *one.joint, stage, q);
+    const JointState state = state_of(coordinate, *one.joint, rates_, stage, q);
     for (std::size_t a = 0; a < coordinate.nodes().size(); ++a) {
       if (!stage.near->is_owned(coordinate.nodes()[a])) continue;
       for (std::size_t i = 0; i < 3; ++i) {
@@ -360,12 +390,12 @@ void JointEffort::add_gradient(const LocalStage& stage, std::span<const double> 
   }
 }
 
-// r = -f(s, s') ds: -f d2s - ds (f_s ds + f_s' (ds / dt + d2s v))^T.
+// r = -f(s, s') ds: -f d2s - ds (f_s ds + f_s' (ds / dt + d2s v))^T; v = 0 where rates are differences.
 void JointEffort::add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                               Projection projection) const {
   for (const Seen& one : seen(*stage.near)) {
     const CoordinateOfNodes coordinate(*one.joint, one.nodes, stage.near->coordinates);
-    const JointState state = state_of(coordinate, *one.joint, stage, q);
+    const JointState state = state_of(coordinate, *one.joint, rates_, stage, q);
     const std::size_t n = coordinate.size();
     const double per_time = stage.dt > 0.0 ? 1.0 / stage.dt : 0.0;
     std::vector<double> by_place(n), curvature(n * n, 0.0);
@@ -396,7 +426,13 @@ void JointEffort::add_hessian(const LocalStage& stage, std::span<const double> q
 }
 
 double JointEffort::energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const {
-  return sum_over_coordinates(*at.near, q, {}, stored_energy);
+  double sum = 0.0;
+  for (const Seen& one : seen(*at.near)) {
+    if (!one.is_counted) continue;
+    const CoordinateOfNodes coordinate(*one.joint, one.nodes, at.near->coordinates);
+    sum += stored_energy(one.joint->law, coordinate(coordinate.gather(q)), std::nullopt);
+  }
+  return sum;
 }
 
 double JointEffort::dissipation(const LocalStage& stage, std::span<const double> q) const {
@@ -404,7 +440,7 @@ double JointEffort::dissipation(const LocalStage& stage, std::span<const double>
   for (const Seen& one : seen(*stage.near)) {
     if (!one.is_counted || !dissipates(one.joint->law)) continue;
     const CoordinateOfNodes coordinate(*one.joint, one.nodes, stage.near->coordinates);
-    const JointState state = state_of(coordinate, *one.joint, stage, q);
+    const JointState state = state_of(coordinate, *one.joint, rates_, stage, q);
     sum -= state.effort.effort * state.rate;
   }
   return sum;

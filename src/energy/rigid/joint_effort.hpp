@@ -6,7 +6,6 @@
 #include "energy/term.hpp"
 #include "fem/layout.hpp"
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -23,8 +22,8 @@ struct JointSpring {
 struct JointDamper {
   double coefficient = 0.0;
 };
-/// Exerts sat(k (target - s) + d (target' - s')) + effort, sat(u) = limit tanh(u / limit). Without damping it has a
-/// potential in a stage; its account is that of loads.
+/// Exerts sat(k (target - s) + d (target' - s')) + effort, sat(u) = limit tanh(u / limit). Its account is that of
+/// loads.
 struct JointMotor {
   Expression target;
   double stiffness = 0.0, damping = 0.0;
@@ -48,6 +47,12 @@ struct BearingFriction {
   double stick_rate = 0.0;
 };
 using JointLaw = std::variant<JointSpring, JointDamper, JointMotor, JointStops, JointFriction, BearingFriction>;
+
+/// What the rate of a coordinate is in a stage.
+enum class JointRates {
+  derivatives,  ///< ds (q - q0) / dt: of the order of every method; what depends on it has no potential
+  differences   ///< (s(q) - s(q0)) / dt, where q0 is a state (backward Euler): everything has a potential
+};
 
 /// The effort of a law on the coordinate, and its derivatives.
 struct JointEffortValue {
@@ -75,7 +80,8 @@ class JointEffort final : public EnergyTerm, public PairCoupling {
     /// The angle of the last accepted state, whose whole turns count; none: those of the angle in [-pi, pi].
     std::shared_ptr<const double> angle = nullptr;
   };
-  JointEffort(const std::vector<JointBody>& bodies, std::vector<Joint> joints);
+  JointEffort(const std::vector<JointBody>& bodies, std::vector<Joint> joints,
+              JointRates rates = JointRates::derivatives);
 
   const Patches& patches() const override { return patches_; }
   /// Bodies of a joint are near each other wherever they are.
@@ -100,14 +106,11 @@ class JointEffort final : public EnergyTerm, public PairCoupling {
     bool is_counted = false;
   };
   std::vector<Seen> seen(const NearPatches& near) const;
-  /// The sum of energies (law, coordinate at q, coordinate at `from`); empty: none.
-  double sum_over_coordinates(
-      const NearPatches& near, std::span<const double> q, std::span<const double> from,
-      const std::function<double(const JointLaw&, double, std::optional<double>)>& energy) const;
   /// All of a kind, as the first one.
   const JointLaw& law() const { return joints_.front().law; }
 
   std::vector<Joint> joints_;
+  JointRates rates_;
   Patches patches_;
 };
 

@@ -23,6 +23,7 @@ struct EffortCase {
   JointCoordinate coordinate;
   std::array<int, 2> bodies{0, 1};
   double turns = 0.0;  ///< of the second body since the start: a multiple of a half
+  JointRates rates = JointRates::derivatives;
 };
 
 constexpr double turn = 2.0 * std::numbers::pi;
@@ -35,30 +36,39 @@ std::vector<EffortCase> every_case() {
   const JointAngle angle{{0.0, 0.6, 0.8}, {0.0, -0.8, 0.6}};
   const JointTravel travel{{1.1, 0.4, 0.6}, {0.6, 0.0, 0.8}};
   const JointMotor motor{Expression("0.3*sin(4*t)"), 20.0, 0.7, 2.0, Expression("0.5*t")};
-  return {{"TurnedSpring", JointSpring{30.0, 0.4}, angle},
-          {"Spring", JointSpring{30.0, 0.1}, travel},
-          {"TurnedDamper", JointDamper{3.0}, angle},
-          {"Damper", JointDamper{3.0}, travel},
-          {"TurningMotor", motor, angle},
-          {"Motor", motor, travel},
-          {"TurnedStops", JointStops{0.05, 0.55, 40.0, 0.05}, angle},
-          {"TurnedStopsWithinTheirRounding", JointStops{0.05, 0.55, 40.0, 0.5}, angle},
-          {"Stops", JointStops{0.1, 0.3, 40.0, 0.02}, travel},
-          {"TurningFriction", JointFriction{0.7, 0.4}, angle},
-          {"Friction", JointFriction{0.7, 0.4}, travel},
-          {"TurningBearing", BearingFriction{std::make_shared<double>(0.7), 0.4}, angle},
-          {"SpringToGround", JointSpring{30.0, 0.1}, travel, {-1, 1}},
-          {"MotorOnGround", motor, angle, {-1, 0}},
-          {"UndampedMotor", JointMotor{Expression("0.9+t"), 20.0, 0.0, 3.0, Expression("2*t")}, angle},
-          {"UndampedMotorWithoutLimit", JointMotor{Expression("0.9+t"), 20.0, 0.0, {}, Expression("2*t")}, travel},
-          {"GivenEffort", JointMotor{Expression("0"), 0.0, 0.0, {}, Expression("0.5+t")}, angle},
-          {"WoundUpSpring", JointSpring{30.0, 0.4}, angle, {0, 1}, 2.5},
-          {"MotorThatIsTurnsBehind",
-           JointMotor{Expression("9.2 + t"), 20.0, 0.7, 300.0, Expression("0.5*t")},
-           angle,
-           {0, 1},
-           2.5},
-          {"StopsTurnsAway", JointStops{1.0 - 2.2 * turn, 1.0 + 2.2 * turn, 40.0, 0.05}, angle, {0, 1}, 2.5}};
+  std::vector<EffortCase> cases{
+      {"TurnedSpring", JointSpring{30.0, 0.4}, angle},
+      {"Spring", JointSpring{30.0, 0.1}, travel},
+      {"TurnedDamper", JointDamper{3.0}, angle},
+      {"Damper", JointDamper{3.0}, travel},
+      {"TurningMotor", motor, angle},
+      {"Motor", motor, travel},
+      {"TurnedStops", JointStops{0.05, 0.55, 40.0, 0.05}, angle},
+      {"TurnedStopsWithinTheirRounding", JointStops{0.05, 0.55, 40.0, 0.5}, angle},
+      {"Stops", JointStops{0.1, 0.3, 40.0, 0.02}, travel},
+      {"TurningFriction", JointFriction{0.7, 0.4}, angle},
+      {"Friction", JointFriction{0.7, 0.4}, travel},
+      {"TurningBearing", BearingFriction{std::make_shared<double>(0.7), 0.4}, angle},
+      {"SpringToGround", JointSpring{30.0, 0.1}, travel, {-1, 1}},
+      {"MotorOnGround", motor, angle, {-1, 0}},
+      {"UndampedMotor", JointMotor{Expression("0.9+t"), 20.0, 0.0, 3.0, Expression("2*t")}, angle},
+      {"UndampedMotorWithoutLimit", JointMotor{Expression("0.9+t"), 20.0, 0.0, {}, Expression("2*t")}, travel},
+      {"GivenEffort", JointMotor{Expression("0"), 0.0, 0.0, {}, Expression("0.5+t")}, angle},
+      {"WoundUpSpring", JointSpring{30.0, 0.4}, angle, {0, 1}, 2.5},
+      {"MotorThatIsTurnsBehind",
+       JointMotor{Expression("9.2 + t"), 20.0, 0.7, 300.0, Expression("0.5*t")},
+       angle,
+       {0, 1},
+       2.5},
+      {"StopsTurnsAway", JointStops{1.0 - 2.2 * turn, 1.0 + 2.2 * turn, 40.0, 0.05}, angle, {0, 1}, 2.5}};
+  const auto number = cases.size();
+  for (std::size_t k = 0; k < number; ++k) {
+    EffortCase of_states = cases[k];
+    of_states.name += "WithoutInertia";
+    of_states.rates = JointRates::differences;
+    cases.push_back(of_states);
+  }
+  return cases;
 }
 
 /// The second body turned about the axis of `angle`, through its middle, by whole turns and perhaps half of one.
@@ -81,8 +91,8 @@ TwoBodies::Terms terms_of(const EffortCase& c, const Solid& solid) {
   for (const int body : {0, 1}) bodies.push_back(joint_body(solid.layout(), body_of_cell, body));
   const auto angle = c.turns > 0.0 ? std::make_shared<const double>(c.turns * turn) : nullptr;
   TwoBodies::Terms terms;
-  terms.push_back(
-      std::make_unique<JointEffort>(bodies, std::vector<JointEffort::Joint>{{c.bodies, c.coordinate, c.law, angle}}));
+  terms.push_back(std::make_unique<JointEffort>(
+      bodies, std::vector<JointEffort::Joint>{{c.bodies, c.coordinate, c.law, angle}}, c.rates));
   return terms;
 }
 
