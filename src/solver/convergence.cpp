@@ -13,7 +13,8 @@ namespace {
 constexpr int max_lowered = 3;
 /// The forces of a guess are too large a scale if those at the iterate are less than this fraction of them.
 constexpr double much_less = 0.1;
-/// Forces below this fraction of those of the guess count as zero.
+/// Forces below this fraction of those of the guess count as zero, and without inertia residuals below this fraction of
+/// one that was tolerated before: where bodies part again, exactly at the end of a step, their forces vanish.
 constexpr double tiny_part = 1e-6;
 /// The scale is not lowered below this fraction of that of the guess. Forces and residual of an iterate near a solution
 /// without stress fall together, down to numbers like 1e-50 N, without meeting any tolerance.
@@ -35,7 +36,7 @@ Convergence::Convergence(Objective& objective, const NewtonOptions& options, Sol
 void Convergence::begin_stage() {
   scale_ = 0.0;
   is_rounding_counted_ = false;
-  least_target_ = objective_.is_static() ? no_force : 0.0;
+  least_target_ = objective_.is_static() ? std::max(no_force, tiny_part * options_.relative * largest_scale_) : 0.0;
   starts_at_solution_ = false;
 }
 
@@ -53,6 +54,7 @@ Convergence::Verdict Convergence::judge(int iteration, double residual, Vec q, b
   }
   if (residual <= target()) {
     if (residual > unbalanced_part * scale_) ++statistics_.unbalanced_stops;
+    largest_scale_ = std::max(largest_scale_, scale_);
     return Verdict::converged;
   }
   if (iteration == 0) {

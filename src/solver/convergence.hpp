@@ -85,6 +85,7 @@ class Convergence {
   double least_target_ = 0.0;
   bool is_rounding_counted_ = false;  // of this stage
   double first_scale_ = 0.0;          // at the guess
+  double largest_scale_ = 0.0;        // of all stages [N]
   double intermediate_target_ = 0.0;  // [N]
   int num_lowered_ = 0;               // how often in this run the scale was lowered to that of the iterate
   bool starts_at_solution_ = false;

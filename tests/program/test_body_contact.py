@@ -344,6 +344,36 @@ probes: [{{name: middle, point: [0.02, 0.02, 0.02]}}]
         self.assertAlmostEqual((h["left_hand_fz"][-1] + h["right_hand_fz"][-1]) / (block + pads), 1, delta=1e-6)
         self.assertAlmostEqual(h["middle_z"][-1] - h["middle_z"][10], 0.01, delta=1e-3)
 
+    def test_a_wedge_goes_in_and_out(self):
+        """tan(15 deg +- phi) times the force of the spring, phi the angle of friction; at the end both just part."""
+        extruded = """SetFactory("OpenCASCADE");
+Point(1) = {%s}; Point(2) = {%s}; Point(3) = {%s}; Point(4) = {%s};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
+Curve Loop(1) = {1, 2, 3, 4}; Plane Surface(1) = {1};
+e[] = Extrude{0, %g, 0}{Surface{1};};
+Physical Volume("body") = {e[1]};
+MeshSize{:} = 0.03;
+"""
+        side, gap = 0.1 * np.tan(np.radians(15)), 1e-4 / np.cos(np.radians(15))
+        profile = ("-0.02, -0.02, 0", "0.02, -0.02, 0", f"{0.02 + side:.9f}, -0.02, 0.1", f"{-0.02 - side:.9f}, -0.02, 0.1")
+        self.write("wedge.geo", extruded % (*profile, 0.04))
+        slope = (f"{0.02 - 0.5 * side + gap:.9f}, -0.03, -0.05", "0.12, -0.03, -0.05", "0.12, -0.03, 0.15", f"{0.02 + 1.5 * side + gap:.9f}, -0.03, 0.15")
+        self.write("block.geo", extruded % (*slope, 0.06))
+        h = self.solve("""
+rigid_bodies:
+  - {name: wedge, mass: 1, inertia: [1, 1, 1], center: [0, 0, 0.05], surface: {file: wedge.geo}}
+  - {name: block, mass: 1, inertia: [1, 1, 1], center: [0.1, 0, 0.05], surface: {file: block.geo}}
+joints:
+  - {name: shaft, type: slider, between: [ground, wedge], point: [0, 0, 0.05], axis: [0, 0, 1], motion: "-0.005*sin(pi*t)"}
+  - {name: rail, type: slider, between: [ground, block], point: [0.1, 0, 0.05], axis: [1, 0, 0], spring: {stiffness: 1e4}}
+contact: {law: barrier, width: 0.1 mm, friction: 0.4, stick_velocity: 0.02 mm/s, pairs: [{surface: wedge, with: block}]}
+""", "method: quasistatic, step: 20 ms, end: 1")
+        self.assertEqual(len(h["time"]), 51, "no step is repeated")
+        slope, friction = np.radians(15), np.arctan(0.4)
+        for k, angle in ((15, slope + friction), (35, slope - friction)):
+            self.assertAlmostEqual(h["shaft_fz"][k] / h["rail_spring"][k], np.tan(angle), delta=1e-5)
+        self.assertLess(abs(h["rail_spring"][-1]), 1e-6)
+
     def test_friction_alone_holds_a_block_on_a_slope_without_inertia(self):
         # Above the slope at first, where there is no friction yet. The tangent of the slope is 0.576.
         self.write("slope.geo", """SetFactory("OpenCASCADE");
