@@ -12,7 +12,7 @@ namespace pliant {
 namespace {
 
 /// Depths that differ by less, relatively, are equal but for rounding.
-constexpr double rounding = 1e-9;
+constexpr double equal_depths = 1e-9;
 
 using SurfaceFacet = CollisionSurface::Triangle;
 using Points = std::array<Vector3<double>, 7>;
@@ -112,7 +112,7 @@ class OverlapFinder {
     }
     double lowest = std::numeric_limits<double>::infinity();
     const auto include = [&](double depth, const Vector3<double>& place) {
-      const double same = rounding * overlap.depth, level = level_of(place);
+      const double same = equal_depths * overlap.depth, level = level_of(place);
       if (depth < overlap.depth - same || (depth <= overlap.depth + same && level >= lowest)) return;
       overlap.depth = std::max(depth, overlap.depth);
       overlap.place = place;
@@ -154,7 +154,7 @@ class OverlapFinder {
         bool is_near = true;
         for (int k = 0; k < 3; ++k) is_near = is_near && bounds.low[k] <= p[k] && p[k] <= bounds.high[k];
         const double depth = is_near ? depth_below(p) : 0.0;
-        if (!(depth > rounding * surface_.longest_edge())) continue;
+        if (!(depth > equal_depths * surface_.longest_edge())) continue;
         double& deepest = depths[t];
         deepest = std::max(deepest, depth);
         include(depth, p);

@@ -13,7 +13,7 @@
 using namespace pliant;
 
 int main(int argc, char** argv) {
-  restart_with_fitting_blas_kernels(argv);
+  take_fitting_blas_kernels(argv);
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a failed write, which is reported, not a sudden end
   char** const separator = std::find_if(argv, argv + argc, [](const char* a) { return std::string(a) == "--"; });
   const std::vector<std::string> petsc_options(std::min(separator + 1, argv + argc), argv + argc);

@@ -27,10 +27,7 @@ class NodesOfRods {
   void take_curve(const std::string& name) {
     for (const auto& [group, members] : mesh_.groups) {
       if (group.dimension != 1 || (group.name != name && std::to_string(group.tag) != name)) continue;
-      for (const PetscInt node : members) {
-        const double* x = mesh_.node(node);
-        axis_.try_emplace({x[0], x[1], x[2]}, node);
-      }
+      for (const PetscInt node : members) axis_.try_emplace(mesh_.place(node), node);
     }
   }
   /// A node on the axis of a rod: where another rod has one, it is that.
@@ -68,7 +65,7 @@ class CellsAround {
         const PetscInt a = nodes[i], b = nodes[j];
         if (is_marked[static_cast<std::size_t>(a)] == 0 || is_marked[static_cast<std::size_t>(b)] == 0) continue;
         tetrahedron::Corners x;
-        for (std::size_t k = 0; k < 4; ++k) x[k] = place(nodes[k]);
+        for (std::size_t k = 0; k < 4; ++k) x[k] = mesh_.place(nodes[k]);
         volumes_[std::minmax(a, b)] += std::abs(tetrahedron::volume(x));
       }
     }
@@ -79,17 +76,12 @@ class CellsAround {
     for (std::size_t k = 1; k < chain.size(); ++k) {
       const auto volume = volumes_.find(std::minmax(chain[k - 1], chain[k]));
       if (volume == volumes_.end()) return -1.0;
-      least = std::min(least, volume->second / norm(place(chain[k]) - place(chain[k - 1])));
+      least = std::min(least, volume->second / norm(mesh_.place(chain[k]) - mesh_.place(chain[k - 1])));
     }
     return least;
   }
 
  private:
-  Vector3<double> place(PetscInt node) const {
-    const double* x = mesh_.node(node);
-    return {x[0], x[1], x[2]};
-  }
-
   const SerialMesh& mesh_;
   std::map<std::pair<PetscInt, PetscInt>, double> volumes_;  // around edges, of the lower and the higher node
 };

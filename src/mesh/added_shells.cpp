@@ -28,13 +28,8 @@ Triangle sorted(Triangle nodes) {
   return nodes;
 }
 
-Vector3<double> place(const SerialMesh& mesh, PetscInt node) {
-  const double* x = mesh.node(node);
-  return {x[0], x[1], x[2]};
-}
-
 PlaceOfNode places_of(const SerialMesh& mesh) {
-  return [&mesh](PetscInt node) { return place(mesh, node); };
+  return [&mesh](PetscInt node) { return mesh.place(node); };
 }
 
 /// A facet of cells, with its corners in an order such that its normal points out of one of them.
@@ -53,8 +48,8 @@ std::map<Triangle, CellFacet> facets_of_cells(const SerialMesh& mesh) {
         if (i != without) facet[k++] = mesh.cells[4 * c + i];
       }
       CellFacet& of = result[sorted(facet)];
-      const Vector3<double> a = place(mesh, facet[0]), b = place(mesh, facet[1]), d = place(mesh, facet[2]);
-      if (dot(place(mesh, mesh.cells[4 * c + without]) - a, cross(b - a, d - a)) > 0.0) std::swap(facet[1], facet[2]);
+      const Vector3<double> a = mesh.place(facet[0]), b = mesh.place(facet[1]), d = mesh.place(facet[2]);
+      if (dot(mesh.place(mesh.cells[4 * c + without]) - a, cross(b - a, d - a)) > 0.0) std::swap(facet[1], facet[2]);
       of.outward = facet;
       ++of.num_cells;
     }
@@ -209,7 +204,7 @@ void add_shells(std::span<const AddedShell> shells, SerialMesh& mesh) {
     const AddedShell& shell = *of.shell;
     std::vector<PetscInt> members;
     for (const Triangle& triangle : of.triangles) {
-      const Vector3<double> a = place(mesh, triangle[0]), b = place(mesh, triangle[1]), c = place(mesh, triangle[2]);
+      const Vector3<double> a = mesh.place(triangle[0]), b = mesh.place(triangle[1]), c = mesh.place(triangle[2]);
       const Vector3<double> normal = cross(b - a, c - a);
       const double area = 0.5 * norm(normal);
       if (!(area > 0.0)) {

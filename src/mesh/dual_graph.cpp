@@ -32,15 +32,10 @@ int lone_corner(std::span<const PetscInt> cell, std::span<const PetscInt> other)
   return 0;  // unreachable: cells are distinct
 }
 
-tetrahedron::Point place(const SerialMesh& mesh, PetscInt node) {
-  const double* x = mesh.node(node);
-  return {x[0], x[1], x[2]};
-}
-
 /// Whether both cells lie on the same side of their common facet, which is opposite to corner i of `cell`.
 bool same_side(const SerialMesh& mesh, std::span<const PetscInt> cell, int i, PetscInt opposite) {
   tetrahedron::Corners x;
-  for (std::size_t k = 0; k < 4; ++k) x[k] = place(mesh, static_cast<int>(k) == i ? opposite : cell[k]);
+  for (std::size_t k = 0; k < 4; ++k) x[k] = mesh.place(static_cast<int>(k) == i ? opposite : cell[k]);
   return tetrahedron::volume(x) > 0.0;
 }
 

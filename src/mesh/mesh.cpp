@@ -24,10 +24,6 @@ namespace {
 /// MeshSource::curves, before repairs drop what no tetrahedron has.
 std::vector<MeshCurve> wanted_curves(const SerialMesh& mesh, std::span<const std::string> wanted) {
   std::vector<MeshCurve> result;
-  const auto place = [&](PetscInt node) {
-    const double* x = mesh.node(node);
-    return std::array<double, 3>{x[0], x[1], x[2]};
-  };
   for (const auto& [group, members] : mesh.groups) {
     const auto names = [&, &of = group](const std::string& name) {
       return name == of.name || name == std::to_string(of.tag);
@@ -35,7 +31,7 @@ std::vector<MeshCurve> wanted_curves(const SerialMesh& mesh, std::span<const std
     if (group.dimension != 1 || std::ranges::none_of(wanted, names)) continue;
     MeshCurve& curve = result.emplace_back(MeshCurve{group, {}});
     for (std::size_t e = 0; e < members.size(); e += 2)
-      curve.edges.push_back({place(members[e]), place(members[e + 1])});
+      curve.edges.push_back({mesh.place(members[e]), mesh.place(members[e + 1])});
   }
   return result;
 }

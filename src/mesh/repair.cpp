@@ -24,8 +24,7 @@ constexpr double straightness = 1e-9;
 using Reasons = std::vector<std::string>;
 
 Point corner(const SerialMesh& mesh, std::size_t cell, std::size_t i) {
-  const double* x = mesh.node(mesh.cells[4 * cell + i]);
-  return {x[0], x[1], x[2]};
+  return mesh.place(mesh.cells[4 * cell + i]);
 }
 
 tetrahedron::Corners corners(const SerialMesh& mesh, std::size_t cell) {
@@ -261,8 +260,7 @@ void require_unfolded_curves(const SerialMesh& mesh, Reasons& reasons) {
   for (std::size_t c = 0; c < mesh.mid_nodes.size() / 6; ++c) {
     std::array<Point, 10> x;
     for (std::size_t i = 0; i < 10; ++i) {
-      const double* p = mesh.node(i < 4 ? mesh.cells[4 * c + i] : mesh.mid_nodes[6 * c + i - 4]);
-      x[i] = {p[0], p[1], p[2]};
+      x[i] = mesh.place(i < 4 ? mesh.cells[4 * c + i] : mesh.mid_nodes[6 * c + i - 4]);
     }
     if (!(tetrahedron::relative_jacobian(x) > 0.0)) folded.push_back(mesh.cell_tags[c]);
   }

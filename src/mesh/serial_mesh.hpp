@@ -1,6 +1,7 @@
 /// The whole mesh on one rank, between reading and distribution.
 #pragma once
 
+#include "base/vector3.hpp"
 #include "mesh/mesh.hpp"
 
 #include <array>
@@ -35,6 +36,7 @@ struct SerialMesh {
   std::size_t num_cells() const { return cells.size() / 4; }
   int geometry_order() const { return mid_nodes.empty() ? 1 : 2; }
   const double* node(PetscInt i) const { return &coordinates[3 * static_cast<std::size_t>(i)]; }
+  Vector3<double> place(PetscInt i) const { return {node(i)[0], node(i)[1], node(i)[2]}; }  ///< of a node [m]
 };
 
 /// Corners of the six edges of a tetrahedron, in the order of gmsh's second-order nodes 4..9 (the last two are swapped

@@ -26,6 +26,17 @@ const char* fitting_kernels() {
   return nullptr;
 }
 
+/// Whether OpenBLAS could be made to read the variable once more.
+bool choose_again() {
+  using Call = void (*)();
+  const auto quit = reinterpret_cast<Call>(symbol_of_blas("gotoblas_dynamic_quit"));
+  const auto start = reinterpret_cast<Call>(symbol_of_blas("gotoblas_dynamic_init"));
+  if (quit == nullptr || start == nullptr) return false;
+  quit();
+  start();
+  return true;
+}
+
 }  // namespace
 
 void* symbol_of_blas(const char* name) {
@@ -43,9 +54,10 @@ const char* better_blas_kernels() {
   return fitting_kernels();
 }
 
-void restart_with_fitting_blas_kernels(char** argv) {
+void take_fitting_blas_kernels(char** argv) {
   const char* const kernels = better_blas_kernels();
   if (kernels == nullptr || setenv(variable, kernels, 0) != 0) return;
+  if (choose_again()) return;
   std::error_code failed;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
   if (!failed) (void)execv(program.c_str(), argv);

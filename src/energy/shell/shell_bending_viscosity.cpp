@@ -3,7 +3,6 @@
 #include "base/compensated_sum.hpp"
 #include "energy/shell/hinge_sums.hpp"
 
-#include <numeric>
 #include <vector>
 
 namespace pliant {
@@ -17,10 +16,6 @@ std::vector<double> difference(std::span<const double> q, std::span<const double
   std::vector<double> result(q.size());
   for (std::size_t i = 0; i < q.size(); ++i) result[i] = q[i] - q0[i];
   return result;
-}
-
-double dot(const std::array<double, 3>& a, const std::array<double, 3>& b) {
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
 
 /// theta' of all hinges [1/s].
