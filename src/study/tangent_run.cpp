@@ -27,6 +27,8 @@ constexpr double settled = 1e-8, nearly_settled = 1e-4;
 constexpr double noise = 1e3;
 /// Along which part of the change that the matrix alone would make the first differences are taken.
 constexpr double cautious = 0.01;
+/// Rounds that leave more than this part of the residual have taken differences over too large a change.
+constexpr double slow = 0.1;
 
 /// Copies what x has in addition to displacements.
 void copy_extra_unknowns(const NodeLayout& layout, Vec from, Vec to) {
@@ -215,7 +217,7 @@ bool TangentRun::solve(TangentSystem& system, double place, double floor) {
 }
 
 bool TangentRun::solve(Pair& pair, TangentSystem& system, const StageTangent& stage) {
-  double first = 0.0, last = 0.0, size = 0.0;
+  double first = 0.0, last = 0.0, size = 0.0, before = 0.0;
   for (int round = 0; round < most_rounds; ++round) {
     pair.measure(stage.coefficients, r_.get());
     if (!std::isfinite(norm(r_.get()))) return false;
@@ -223,8 +225,12 @@ bool TangentRun::solve(Pair& pair, TangentSystem& system, const StageTangent& st
     if (is_rounding && round > 0) return true;
     if (!system.solve(r_.get(), change_.get())) return false;
     if (norm(change_.get()) == 0.0) return true;
-    // Without what the matrix leaves out the change may be far too large.
+    // Without what the matrix leaves out the change may be far too large. A difference over all of it may reach beyond
+    // a kink, as that of friction between sliding and sticking, on whose near side the solution is.
+    const double left = norm(r_.get());
     if (round <= 1) size = round == 0 ? cautious * norm(change_.get()) : first;
+    if (round > 1 && left > slow * before) size = last;
+    before = left;
     bool needs_more = !is_rounding;
     if (needs_more && !solve_for_whole(pair, stage.coefficients, system, size)) {
       // Where the number has next to no influence, the difference is all rounding, and no system resolves it.

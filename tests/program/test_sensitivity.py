@@ -133,6 +133,23 @@ solver: {newton: {relative: 1.0e-12}}
                 self.compare(file, ("corner_x", "px"), {"contact.friction": 0.3}, f"contact.friction_update={update}",
                              within=1e-4, part=1e-5)
 
+    def test_friction_between_sliding_and_sticking(self):
+        """A thrown block lands, slides and sticks: there a difference over the whole change reaches beyond the kink of the law."""
+        write_box(self.directory / "block.msh", (2, 2, 2), (1, 1, 1))
+        file = self.write("stick.yaml", """mesh: {file: block.msh}
+bodies:
+  - {volume: body, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3},
+     viscosity: {model: kelvin-voigt, shear: 200}}
+loads: [{gravity: [0, 0, -9.81]}]
+initial: {velocity: [0.5, 0, -0.5]}
+contact: {obstacles: [{name: floor, shape: plane, point: [0, 0, -0.05], normal: [0.1, 0, 1], friction: 0.2}]}
+time: {method: bdf2, step: 0.005, end: 0.275}
+probes: [{name: corner, point: [1, 1, 1]}]
+solver: {newton: {relative: 1.0e-12}}
+""")
+        self.compare(file, ("corner_x", "corner_z"), {"contact.obstacles.0.friction": 0.2},
+                     within=1e-5, part=1e-5)
+
     def test_frozen_friction_beyond_its_bound(self):
         """A rod falls onto a block. From the first impact on the friction frozen at a step's start exceeds what the pressure allows."""
         write_box(self.directory / "block.msh", (4, 1, 1), (0.4, 0.1, 0.1))
