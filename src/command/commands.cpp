@@ -140,7 +140,9 @@ Lines description_of(Model& model, const Config& config) {
   append(lines, mechanism_table(config, model));
   if (!model.cavities().empty()) lines.emplace_back("cavities");
   for (const auto& cavity : model.cavities()) {
-    lines.push_back(fmt::format("  {}: volume {:.6g} m^3", cavity.name, cavity.volume));
+    const auto is_other = cavity.enclosed && std::abs(*cavity.enclosed - cavity.volume) > 1e-6 * cavity.volume;
+    lines.push_back(fmt::format("  {}: volume {:.6g} m^3{}", cavity.name, cavity.volume,
+                                is_other ? fmt::format("; walls surround {:.6g} m^3", *cavity.enclosed) : ""));
   }
   describe_contact(model, config, lines);
 

@@ -50,7 +50,7 @@ MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   add_shells(source.added_shells, parts.mesh);
   added.num_of_rods = parts.mesh.num_cells() - added.first_of_rods;
   add_tetrahedra(source.added_tetrahedra, parts.mesh);
-  parts.num_vertices = repair(parts.mesh, source.meeting_parts, report);
+  parts.num_vertices = repair(parts.mesh, source.meeting_parts, source.added_rods, report);
   if (source.refine > 0 && parts.mesh.geometry_order() == 2) {
     throw MeshDefect(
         "refine does not support curved second-order elements: mesh it finer in gmsh, or use first-order elements");

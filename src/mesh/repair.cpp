@@ -1,6 +1,7 @@
 #include "mesh/repair.hpp"
 
 #include "mesh/curved.hpp"
+#include "mesh/rod_chain.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -113,11 +114,16 @@ void require_distinct_cells(const SerialMesh& mesh, Reasons& reasons) {
 
 /// The parts whose nodes may coincide with others.
 struct MeetingParts {
-  std::vector<char> is_on_surface;     ///< per node: on one of the surfaces
+  std::vector<char> is_free;           ///< per node: on one of the surfaces, or only of the frame of a rod's section
   std::vector<std::size_t> of_volume;  ///< per node: number of the volume, from 1; 0: none
 
-  MeetingParts(const SerialMesh& mesh, std::span<const std::string> names)
-      : is_on_surface(mesh.num_nodes(), 0), of_volume(mesh.num_nodes(), 0) {
+  MeetingParts(const SerialMesh& mesh, std::span<const std::string> names, std::span<const AddedRod> rods)
+      : is_free(mesh.num_nodes(), 0), of_volume(mesh.num_nodes(), 0) {
+    for (const AddedRod& rod : rods) {
+      free(mesh, rod.name, {false, false, true, true});
+      free(mesh, name_of_end(rod.name, 0), {true, false, true, true});
+      free(mesh, name_of_end(rod.name, 1), {false, true, true, true});
+    }
     for (std::size_t g = 0; g < mesh.groups.size(); ++g) {
       const auto& [group, members] = mesh.groups[g];
       const auto is_this = [&name = group.name, &tag = group.tag](const std::string& s) {
@@ -125,7 +131,7 @@ struct MeetingParts {
       };
       if (group.dimension < 2 || std::ranges::none_of(names, is_this)) continue;
       if (group.dimension == 2) {
-        for (const PetscInt node : members) is_on_surface[static_cast<std::size_t>(node)] = 1;
+        for (const PetscInt node : members) is_free[static_cast<std::size_t>(node)] = 1;
         continue;
       }
       for (const PetscInt cell : members) {
@@ -138,14 +144,26 @@ struct MeetingParts {
 
   bool may_coincide(PetscInt node, PetscInt other) const {
     const auto a = static_cast<std::size_t>(node), b = static_cast<std::size_t>(other);
-    return is_on_surface[a] != 0 || is_on_surface[b] != 0 || of_volume[a] != of_volume[b];
+    return is_free[a] != 0 || is_free[b] != 0 || of_volume[a] != of_volume[b];
+  }
+
+ private:
+  /// Corners of the cells of a volume, which may be anywhere.
+  void free(const SerialMesh& mesh, const std::string& volume, const std::array<bool, 4>& is_one) {
+    for (const auto& [group, members] : mesh.groups) {
+      if (group.dimension != 3 || group.name != volume) continue;
+      for (const PetscInt cell : members) {
+        for (std::size_t i = 0; i < 4; ++i) {
+          if (is_one[i]) is_free[static_cast<std::size_t>(mesh.cells[4 * static_cast<std::size_t>(cell) + i])] = 1;
+        }
+      }
+    }
   }
 };
 
 /// Finds nodes that coincide: sorts along a direction in which lattice nodes do not tie, and compares near neighbours.
-void require_distinct_places(const SerialMesh& mesh, PetscInt num_vertices, std::span<const std::string> meeting_parts,
+void require_distinct_places(const SerialMesh& mesh, PetscInt num_vertices, const MeetingParts& parts,
                              Reasons& reasons) {
-  const MeetingParts parts(mesh, meeting_parts);
   constexpr Point direction{0.6213412, 0.5177432, 0.5881174};  // generic; a unit vector to 6 digits
   double extent = 0.0;
   for (int k = 0; k < 3; ++k) {
@@ -296,7 +314,8 @@ void throw_if_any(const Reasons& reasons) {
 
 }  // namespace
 
-PetscInt repair(SerialMesh& mesh, std::span<const std::string> meeting_parts, MeshReport& report) {
+PetscInt repair(SerialMesh& mesh, std::span<const std::string> meeting_parts, std::span<const AddedRod> rods,
+                MeshReport& report) {
   Reasons reasons;
   require_distinct_names(mesh, reasons);
   require_finite_nodes(mesh, reasons);
@@ -304,7 +323,7 @@ PetscInt repair(SerialMesh& mesh, std::span<const std::string> meeting_parts, Me
   const PetscInt num_vertices = drop_orphans(mesh, report);
   turn_inverted_round(mesh, report, reasons);
   require_distinct_cells(mesh, reasons);
-  require_distinct_places(mesh, num_vertices, meeting_parts, reasons);
+  require_distinct_places(mesh, num_vertices, MeetingParts(mesh, meeting_parts, rods), reasons);
   require_one_mid_node_per_edge(mesh, num_vertices, reasons);
   throw_if_any(reasons);
   require_unfolded_curves(mesh, reasons);

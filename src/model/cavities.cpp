@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -78,9 +79,9 @@ struct ContentOf {
   }
 };
 
-/// The volume in the reference configuration. Throws InputError if the cavity is open.
-double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const FacetList& walls,
-                 std::vector<RimEdge>& edges, const PrescribedSamples& samples) {
+/// The volume in the reference configuration, and what the walls surround. Throws InputError if the cavity is open.
+ModelCavity measured(const CavityConfig& cavity, const NodeLayout& layout, const FacetList& walls,
+                     std::vector<RimEdge>& edges, const PrescribedSamples& samples) {
   const Rim rim = classify(layout, edges, samples);
   if (rim == Rim::free || rim == Rim::moving) {
     const auto places = places_of(rim, layout, edges, samples);
@@ -100,7 +101,10 @@ double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const Fac
                                  cavity.name, describe(cavity.part)));
   }
   const auto behind_or_not = volume_behind(layout, walls, edges);
-  if (cavity.volume) return *cavity.volume;
+  const auto* surrounded = std::get_if<double>(&behind_or_not);
+  if (cavity.volume) {
+    return {cavity.name, nullptr, *cavity.volume, surrounded != nullptr ? std::optional(*surrounded) : std::nullopt};
+  }
   if (const auto* unknown = std::get_if<UnknownLid>(&behind_or_not)) {
     const std::string why =
         unknown->direction ? fmt::format("is open between two parallel planes ({0} = {1:.6g} m and {0} = {2:.6g} m)",
@@ -114,17 +118,17 @@ double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const Fac
                                                "give its `volume`",
                                                cavity.name, why));
   }
-  const double behind = std::get<double>(behind_or_not);
+  const double behind = *surrounded;
   if (behind <= 0.0) {
     throw InputError(
         cavity.where,
         fmt::format("{} encloses no cavity: the volume that it faces is {:.3g} m^3, because its normals, "
                     "which point out of the material, point outwards from what it surrounds; name only the "
-                    "inner faces, which surround the hollow, as a physical surface of their own, or give "
-                    "the `volume`",
+                    "inner faces, which surround the hollow, as a physical surface of their own, or turn a "
+                    "shell round. A fluid around a body, in a container, needs its `volume`",
                     describe(cavity.part), behind));
   }
-  return behind;
+  return {cavity.name, nullptr, behind, behind};
 }
 
 }  // namespace
@@ -170,6 +174,30 @@ std::vector<Diagnostic> warnings_about_shared_walls(const Config& config, const 
   return warnings;
 }
 
+std::vector<Diagnostic> warnings_about_given_volumes(const Config& config, std::span<const ModelCavity> cavities) {
+  constexpr double far_above = 100.0, flat = 1e-8;  // a flat wall surrounds rounding errors
+  std::vector<Diagnostic> warnings;
+  for (std::size_t c = 0; c < cavities.size(); ++c) {
+    const CavityConfig& given = config.cavities[c];
+    const std::optional<double> enclosed = cavities[c].enclosed;
+    if (!given.volume || !enclosed || std::abs(*enclosed) < flat * *given.volume) continue;
+    const auto warn = [&](const std::string& text) {
+      warnings.push_back({Severity::warning, given.where, fmt::format("the cavity '{}' {}", given.name, text)});
+    };
+    if (*enclosed < 0.0) {
+      warn(
+          fmt::format("presses on {} from outside, as a fluid does that is around a body in a container: the normals, "
+                      "which point out of the material, point outwards from the {:.3g} m^3 that it surrounds; for what "
+                      "is inside, name the inner faces, or turn a shell round",
+                      describe(given.part), -*enclosed));
+    } else if (*given.volume > far_above * *enclosed) {
+      warn(fmt::format("has a `volume` of {:.3g} m^3, and its walls surround {:.3g} m^3; is it in m^3?", *given.volume,
+                       *enclosed));
+    }
+  }
+  return warnings;
+}
+
 WettedTerms make_wetted_terms(const Config& config, const NodeLayout& layout, const BlockPattern& pattern,
                               WettedParts parts, const PrescribedDisplacement& prescribed) {
   WettedTerms result;
@@ -189,10 +217,11 @@ WettedTerms make_wetted_terms(const Config& config, const NodeLayout& layout, co
     const CavityConfig& cavity = config.cavities[c];
     FacetList& walls = parts.of_cavities[c];
     auto edges = rim_edges(layout, walls);
-    const double volume = volume_of(cavity, layout, walls, edges, samples);
+    ModelCavity made = measured(cavity, layout, walls, edges, samples);
     auto term = std::make_unique<Cavity>(WettedSurface(layout, pattern, std::move(walls), 0),
-                                         std::visit(ContentOf{volume, config.time}, cavity.content));
-    result.cavities.push_back({cavity.name, term.get(), volume});
+                                         std::visit(ContentOf{made.volume, config.time}, cavity.content));
+    made.term = term.get();
+    result.cavities.push_back(std::move(made));
     result.terms.push_back({std::move(term), cavity.where});
   }
   return result;

@@ -7,6 +7,7 @@
 #include "model/selections.hpp"
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,7 +18,8 @@ namespace pliant {
 struct ModelCavity {
   std::string name;
   const Cavity* term = nullptr;
-  double volume = 0.0;  ///< in the reference configuration [m^3]
+  double volume = 0.0;             ///< in the reference configuration [m^3]
+  std::optional<double> enclosed;  ///< what its walls surround with plane lids; none: lids do not follow [m^3]
 };
 
 /// A term, and the entry of the input that it comes from.
@@ -40,6 +42,9 @@ WettedParts find_wetted_parts(const Config& config, const NodeLayout& layout, st
 /// Warns of cavities that press on the same facets. Collective.
 std::vector<Diagnostic> warnings_about_shared_walls(const Config& config, const NodeLayout& layout,
                                                     const WettedParts& parts);
+
+/// Warns of fluids outside their walls and of given volumes of another order than what the walls surround.
+std::vector<Diagnostic> warnings_about_given_volumes(const Config& config, std::span<const ModelCavity> cavities);
 
 /// The terms of the pressures among the loads, then those of the cavities.
 struct WettedTerms {

@@ -242,6 +242,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   }
   include(warnings_about_shared_walls(config, layout_, load_parts.wetted));
   loads_ = std::make_unique<Loads>(config, layout_, *pattern_, std::move(load_parts), constraints_->prescribed());
+  include(warnings_about_given_volumes(config, loads_->cavities()));
   require_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);
   if (config.contact) {
     const std::vector<char> not_of_mesh = cells_without_mesh(config, body_of_cell_);

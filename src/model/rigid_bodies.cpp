@@ -300,11 +300,12 @@ void set_velocities_of_rigid_bodies(const Config& config, const NodeLayout& layo
     for (const PetscInt n : layout.nodes_of_cell(c)) {
       if (n >= layout.num_owned_nodes) continue;
       const Vector3<double> arm = at_start(config, layout.position(n)) - at_start(config, rigid.center);
-      const auto turning = cross(Vector3<double>(rigid.angular_velocity), arm);
+      const Vector3<double> omega = rigid.angular_velocity, turning = cross(omega, arm);
+      // The field of all bodies turns the body, too, unless it has an angular velocity of its own.
+      const auto [x, y, z] = norm(omega) > 0.0 ? Vector3<double>(rigid.center) : layout.position(n);
       for (std::size_t i = 0; i < 3; ++i) {
-        const auto [x, y, z] = layout.position(n);
-        const double of_center = rigid.velocity ? (*rigid.velocity)[i] : config.initial.velocity[i](x, y, z, 0.0);
-        velocity[3 * n + static_cast<PetscInt>(i)] = of_center + turning[i];
+        const double of_field = config.initial.velocity[i](x, y, z, 0.0);
+        velocity[3 * n + static_cast<PetscInt>(i)] = (rigid.velocity ? (*rigid.velocity)[i] : of_field) + turning[i];
       }
     }
   }

@@ -90,6 +90,15 @@ void add_newton(const FailedStage& stage, std::string& text) {
   }
 }
 
+/// What follows an unstable state better than the analysis of the run; empty: none does.
+std::string other_analyses(const FailureReport& report) {
+  if (report.has_load_steps) return ", or a dynamic analysis instead of load steps";
+  if (!report.is_quasistatic) return "";
+  std::string text = "; there may be no equilibrium near by at this load: a method with inertia shows where it leads";
+  if (!report.has_contact) text += ", 'method: static' with time.path follows the equilibria past a limit point";
+  return text;
+}
+
 }  // namespace
 
 std::vector<std::string> advice(const FailureReport& report, const Failure& failure) {
@@ -114,10 +123,12 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
   }
   const auto is_changed = [](const NewtonIteration& it) { return it.hessian != NewtonIteration::Hessian::exact; };
   if (report.has_load_steps && iterations != nullptr && std::ranges::any_of(*iterations, is_changed)) {
-    result.emplace_back(
-        "the stiffness is not positive definite, so there may be no equilibrium near by at this load: time.path "
-        "follows "
-        "the equilibria past a limit point, and a prescribed motion or a cavity's liquid holds what a force cannot");
+    result.push_back(
+        fmt::format("the stiffness is not positive definite, so there may be no equilibrium near by at this load: {}, "
+                    "and a prescribed motion or a cavity's liquid holds what a force cannot",
+                    report.has_contact ? "a body that contact alone holds may slide or roll, which friction, a "
+                                         "constraint or a weak `spring` prevents and a method with inertia follows"
+                                       : "time.path follows the equilibria past a limit point"));
   }
   const bool is_unsettled = failure.reason.find("friction did not settle") != std::string::npos;
   if (is_unsettled) {
@@ -159,14 +170,8 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
     }
     const auto is_unstable = [](const NewtonIteration& it) { return it.hessian != NewtonIteration::Hessian::exact; };
     if (2 * std::ranges::count_if(*iterations, is_unstable) > num_iterations) {
-      const char* others =
-          report.has_load_steps ? ", or a dynamic analysis instead of load steps"
-          : report.is_quasistatic
-              ? "; there may be no equilibrium near by at this load: a method with inertia shows where "
-                "it leads, 'method: static' with time.path follows the equilibria past a limit point"
-              : "";
-      result.push_back(
-          fmt::format("the state is unstable (buckling, strong compression): {}{}", report.shorter_steps, others));
+      result.push_back(fmt::format("the state is unstable (buckling, strong compression): {}{}", report.shorter_steps,
+                                   other_analyses(report)));
     }
   }
   result.push_back(fmt::format("{}, weaker or slower loads, a finer or better mesh", report.shorter_steps));

@@ -55,6 +55,7 @@ struct FailureReport {
   std::string shorter_steps;    ///< how to ask for shorter steps in the input
   bool has_load_steps = false;  ///< of a static problem, not along a path
   bool is_quasistatic = false;
+  bool has_contact = false;  ///< no path can be followed then
   bool has_barriers = false;
   std::string doubt_about_units;  ///< the warning about a body's constants; empty: none
   std::string load_at_once;  ///< where the input has a load that is not zero at the start, if that may be the cause

@@ -207,6 +207,7 @@ std::string write_post_mortem(const Config& config, const Model& model, const St
     report.load_at_once = to_string(sudden->where);
     report.grown_load = sudden->grown;
   }
+  report.has_contact = config.contact.has_value();
   report.has_barriers = config.contact && config.contact->has_barrier();
   const auto of_units = warnings_about_units(config);
   if (!of_units.empty()) report.doubt_about_units = to_string(of_units.front());

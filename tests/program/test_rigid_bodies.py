@@ -17,6 +17,15 @@ class RigidBodies(ProgramTest):
             for message in messages:
                 self.assertIn(message, done.stderr)
 
+    def test_an_angular_velocity_takes_the_place_of_the_turning_of_the_field(self):
+        text = """rigid_bodies: [{name: hub, mass: 1, inertia: [1, 1, 1], center: [0.5, 0, 0]ANGULAR}]
+initial: {velocity: ["-12*y", "12*x", 0]}
+"""
+        for angular, expected in (("", 12), (", angular_velocity: [0, 0, 5]", 5)):
+            h = self.solve(text.replace("ANGULAR", angular), "method: bdf2, step: 1 ms, end: 1 ms")
+            self.assertAlmostEqual(h["hub_wz"][0], expected, places=12)
+            self.assertAlmostEqual(h["hub_vy"][0], 6, places=12)
+
     def test_a_force_on_a_body_with_curved_sides_acts_at_its_center(self):
         self.write("half.geo", """SetFactory("OpenCASCADE");
 Cylinder(1) = {0, 0, 0, 0, 0, 0.05, 0.02, Pi};

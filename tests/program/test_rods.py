@@ -214,6 +214,28 @@ loads: [{gravity: [0, 0, -9.81]}]
         np.testing.assert_allclose(h["left_start_fz"] + h["right_end_fz"], weight, rtol=1e-6)
         np.testing.assert_allclose(h["left_start_fx"], -h["right_end_fx"], rtol=1e-6)
 
+    def test_corners(self):
+        """A bracket that its tip bends out of its plane. Segments are as long as the section is wide: frames of both legs meet."""
+        legs = "[[0, 0, 0], [0.24, 0, 0], [0.24, -0.24, 0]]"
+        more = """segments: N, section: {width: 24 mm, height: 24 mm, up: [0, 0, 1]}, density: 1000, youngs_modulus: 1 GPa, poissons_ratio: 0.25"""
+        joined = f"""rods:
+  - {{name: first, points: [[0, 0, 0], [0.24, 0, 0]], {more}, start: ground, end: knee}}
+  - {{name: second, points: [[0.24, 0, 0], [0.24, -0.24, 0]], {more}, start: knee, end: hand}}
+rigid_bodies: [{{name: hand, center: [0.24, -0.24, 0]}}, {{name: knee, center: [0.24, 0, 0]}}]
+"""
+        whole = f"rods: [{{name: rod, points: {legs}, {more}, start: ground, end: hand}}]\nrigid_bodies: [{{name: hand, center: [0.24, -0.24, 0]}}]\n"
+        pulled = "loads: [{force: [0, 0, 0.1], volume: hand}]\n"
+        bending, torsion = 1e9 * 0.024**4 / 12, 1e9 / 2.5 * 0.1405770 * 0.024**4
+        exact = 0.1 * 0.24**3 * (2 / (3 * bending) + 1 / torsion)
+
+        def error(text, n):
+            return self.end_of(text.replace("segments: N", f"segments: {n}") + pulled)["hand_z"] / exact - 1
+
+        self.assertLess(abs(error(joined, 10)), 0.004)
+        coarse, fine = error(whole, 10), error(whole, 20)
+        self.assertLess(abs(coarse), 0.04)
+        self.assertLess(abs(fine), 0.6 * abs(coarse))  # of first order: a corner has no radius
+
     def test_points_of_rods_are_one_up_to_rounding(self):
         # Strings of a swing whose common point was computed twice.
         rod = "radius: 1 mm, youngs_modulus: 1 GPa, poissons_ratio: 0.3, density: 1000"

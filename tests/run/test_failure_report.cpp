@@ -41,6 +41,14 @@ TEST(Advice, ADynamicAnalysisIsForThoseThatHaveNone) {
   report.has_load_steps = false;
   report.is_quasistatic = true;
   EXPECT_TRUE(asks_for("'method: static' with time.path follows the equilibria past a limit point", report, failure));
+  // No path goes through contact.
+  report.has_contact = true;
+  EXPECT_FALSE(asks_for("time.path", report, failure));
+  EXPECT_TRUE(asks_for("a method with inertia shows where it leads", report, failure));
+  report.is_quasistatic = false;
+  report.has_load_steps = true;
+  EXPECT_FALSE(asks_for("time.path", report, failure));
+  EXPECT_TRUE(asks_for("a body that contact alone holds may slide or roll", report, failure));
 }
 
 TEST(Advice, SpeaksOfBarriersWhereThereAreSome) {

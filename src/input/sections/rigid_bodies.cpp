@@ -218,7 +218,8 @@ Section<RigidBodyConfig> rigid_body_keys() {
               field("velocity", &R::velocity, array_of<3>(quantity("m/s")), "velocity of the center at the start")
                   .otherwise_in_words("`initial.velocity`"),
               field("angular_velocity", &R::angular_velocity, array_of<3>(quantity("rad/s")),
-                    "angular velocity at the start")
+                    "angular velocity at the start; where it is not 0, the body does not turn with `initial.velocity` "
+                    "as well")
                   .otherwise("[0, 0, 0]"),
               field("surface", &R::surface, map_of(surface_keys()), "shape of the body, with which it touches others")
                   .otherwise_in_words("none: it touches nothing"),
